@@ -1,0 +1,7 @@
+//! Lubrication of cartilage on cartilage.
+
+pub mod error;
+pub mod outputs;
+pub mod parameters;
+pub mod simulation;
+pub mod units;

@@ -1,0 +1,451 @@
+//! What a case is made of: two bodies, the lubricant between them, their contact, and the numerics.
+//!
+//! [`PARAMETERS`] is the one table of names, units, ranges and descriptions. Case files, command-line flags and the FMU
+//! all read it, so a parameter has the same name everywhere. Values are SI.
+
+use crate::error::Error;
+use crate::units::Unit;
+
+/// Which reading of the balance laws is solved (see the crate documentation).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Formulation {
+    /// The equations of de Boer et al. (2020) as printed.
+    Paper,
+    /// Total-stress poroelasticity at finite strain with regularised Coulomb friction.
+    Consistent,
+}
+
+/// One cartilage layer on its bone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Radius of the articular surface [m].
+    pub outer_radius: f64,
+    /// Thickness of the layer [m].
+    pub thickness: f64,
+    /// Drained shear modulus [Pa].
+    pub shear_modulus: f64,
+    /// Drained bulk modulus [Pa].
+    pub bulk_modulus: f64,
+    /// Intrinsic permeability [m^2].
+    pub permeability: f64,
+    /// Biot-Willis coefficient [1].
+    pub biot_coefficient: f64,
+}
+
+/// Structured mesh of a body: columns along the surface, rows through the thickness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mesh {
+    /// Elements along the articular surface.
+    pub columns: i32,
+    /// Elements through the thickness.
+    pub rows: i32,
+    /// Strength of the sinh grading towards x = 0; 0 is uniform.
+    pub column_grading: f64,
+    /// Strength of the sinh grading towards the articular surface; 0 is uniform.
+    pub row_grading: f64,
+}
+
+/// All parameters of a case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// The body above the film.
+    pub upper: Body,
+    /// The body below the film.
+    pub lower: Body,
+    /// Half the angle of the sector that is modelled [rad]; of the body with the smaller radius.
+    pub sector_half_angle: f64,
+    /// Extent out of the plane [m]: turns forces per unit depth into forces.
+    pub width: f64,
+    /// Dynamic viscosity of the fluid [Pa s].
+    pub viscosity: f64,
+    /// Density of the fluid at ambient pressure [kg/m^3].
+    pub density: f64,
+    /// Compressibility of the fluid [1/Pa].
+    pub fluid_compressibility: f64,
+    /// Friction coefficient of drained solid on solid [1].
+    pub boundary_friction_coefficient: f64,
+    /// Whether boundary friction acts on the tissue as a traction, or is only reported.
+    pub boundary_friction_loads_tissue: bool,
+    /// Sliding velocity at which regularised Coulomb friction reaches 71 % [m/s] (`consistent` only).
+    pub friction_regularisation_speed: f64,
+    /// Length added to the film thickness in the Couette shear stress [m].
+    pub shear_film_offset: f64,
+    /// Which balance laws are solved.
+    pub formulation: Formulation,
+    /// The mesh of each body.
+    pub mesh: Mesh,
+    /// Order of the pore pressure's shape functions: 1 or 2.
+    pub pressure_order: i32,
+    /// Newton stops when an update is below this, relative to the fields.
+    pub tolerance: f64,
+}
+
+impl Default for Parameters {
+    /// Table 2 of de Boer et al. (2020), on the default mesh.
+    fn default() -> Self {
+        let body = Body {
+            outer_radius: 0.1,
+            thickness: 1e-3,
+            shear_modulus: 0.5e6,
+            bulk_modulus: 5e6,
+            permeability: 1e-15,
+            biot_coefficient: 0.9,
+        };
+        Self {
+            upper: body,
+            lower: body,
+            sector_half_angle: std::f64::consts::PI / 36.0,
+            width: 1.0,
+            viscosity: 1e-3,
+            density: 1e3,
+            fluid_compressibility: 1e-10,
+            boundary_friction_coefficient: 0.45,
+            boundary_friction_loads_tissue: true,
+            friction_regularisation_speed: 1e-3,
+            shear_film_offset: 1e-7,
+            formulation: Formulation::Paper,
+            mesh: Mesh { columns: 120, rows: 8, column_grading: 3.0, row_grading: 2.0 },
+            pressure_order: 2,
+            tolerance: 1e-6,
+        }
+    }
+}
+
+/// What the two layers are made to do.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Inputs {
+    /// Approach of the bones past first touch of the undeformed surfaces [m]; positive presses the layers together.
+    pub penetration_depth: f64,
+    /// Sum of the two surface speeds, both positive along +x [m/s].
+    pub sliding_speed: f64,
+    /// (upper - lower surface speed) / sliding speed [1].
+    pub slide_to_roll_ratio: f64,
+}
+
+impl Default for Inputs {
+    /// Ten micron of clearance at the paper's speed.
+    fn default() -> Self {
+        Self { penetration_depth: -10e-6, sliding_speed: 0.2, slide_to_roll_ratio: 0.0 }
+    }
+}
+
+/// How the value of a [`Parameter`] is stored, with its range.
+pub enum Kind {
+    /// A real number within `minimum..=maximum`.
+    Real {
+        /// Smallest allowed value.
+        minimum: f64,
+        /// Largest allowed value.
+        maximum: f64,
+        /// Order of magnitude.
+        nominal: f64,
+        /// Where it is kept.
+        access: fn(&mut Parameters) -> &mut f64,
+    },
+    /// A whole number within `minimum..=maximum`.
+    Integer {
+        /// Smallest allowed value.
+        minimum: i32,
+        /// Largest allowed value.
+        maximum: i32,
+        /// Where it is kept.
+        access: fn(&mut Parameters) -> &mut i32,
+    },
+    /// true or false.
+    Boolean {
+        /// Where it is kept.
+        access: fn(&mut Parameters) -> &mut bool,
+    },
+    /// One word of a few.
+    Choice {
+        /// Allowed words, each with what it means; in FMI the first is 1.
+        items: &'static [(&'static str, &'static str)],
+        /// Index of the present choice.
+        get: fn(&Parameters) -> usize,
+        /// Choose by index.
+        set: fn(&mut Parameters, usize),
+    },
+}
+
+/// One row of [`PARAMETERS`].
+pub struct Parameter {
+    /// Name in case files, flags and the FMU, such as `upper.shear_modulus`.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// What it is, in one sentence.
+    pub description: &'static str,
+    /// Type, range and place.
+    pub kind: Kind,
+}
+
+/// The value of a parameter or an input, as given by a user.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// A real number.
+    Real(f64),
+    /// A whole number.
+    Integer(i64),
+    /// true or false.
+    Boolean(bool),
+    /// A word.
+    Text(String),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Real(v) => write!(f, "{v}"),
+            Self::Integer(v) => write!(f, "{v}"),
+            Self::Boolean(v) => write!(f, "{v}"),
+            Self::Text(v) => write!(f, "\"{v}\""),
+        }
+    }
+}
+
+impl Parameter {
+    /// The present value.
+    pub fn get(&self, parameters: &Parameters) -> Value {
+        let mut copy = *parameters;
+        match &self.kind {
+            Kind::Real { access, .. } => Value::Real(*access(&mut copy)),
+            Kind::Integer { access, .. } => Value::Integer(i64::from(*access(&mut copy))),
+            Kind::Boolean { access } => Value::Boolean(*access(&mut copy)),
+            Kind::Choice { items, get, .. } => Value::Text(items[get(parameters)].0.into()),
+        }
+    }
+
+    /// Sets the value, or says what would have been allowed. On an error nothing changes.
+    pub fn set(&self, parameters: &mut Parameters, value: &Value) -> Result<(), Error> {
+        let refuse = || Err(Error::value(self.name, value, self.allowed()));
+        match (&self.kind, value) {
+            (Kind::Real { minimum, maximum, access, .. }, Value::Real(v)) => {
+                if !(*minimum..=*maximum).contains(v) {
+                    return refuse();
+                }
+                *access(parameters) = *v;
+            }
+            (Kind::Real { .. }, Value::Integer(v)) => return self.set(parameters, &Value::Real(*v as f64)),
+            (Kind::Integer { minimum, maximum, access }, Value::Integer(v)) => match i32::try_from(*v) {
+                Ok(v) if (*minimum..=*maximum).contains(&v) => *access(parameters) = v,
+                _ => return refuse(),
+            },
+            (Kind::Boolean { access }, Value::Boolean(v)) => *access(parameters) = *v,
+            (Kind::Choice { items, set, .. }, Value::Text(v)) => match items.iter().position(|(word, _)| word == v) {
+                Some(index) => set(parameters, index),
+                None => return refuse(),
+            },
+            _ => return refuse(),
+        }
+        Ok(())
+    }
+
+    /// What is allowed, in words.
+    pub fn allowed(&self) -> String {
+        match &self.kind {
+            Kind::Real { minimum, maximum, .. } => {
+                format!("a number from {minimum:e} to {maximum:e} {}", self.unit.name()).trim_end().into()
+            }
+            Kind::Integer { minimum, maximum, .. } => format!("a whole number from {minimum} to {maximum}"),
+            Kind::Boolean { .. } => "true or false".into(),
+            Kind::Choice { items, .. } => {
+                let words: Vec<_> = items.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+                format!("one of {}", words.join(", "))
+            }
+        }
+    }
+}
+
+/// The row of [`PARAMETERS`] with this name.
+pub fn find(name: &str) -> Option<&'static Parameter> {
+    PARAMETERS.into_iter().find(|row| row.name == name)
+}
+
+impl Parameters {
+    /// Checks every value against its range, and the few rules that tie values together.
+    ///
+    /// # Errors
+    /// [`Error::Value`] naming the first parameter that is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let mut copy = *self;
+        for row in PARAMETERS {
+            row.set(&mut copy, &row.get(self))?;
+        }
+        for (name, body) in [("upper", &self.upper), ("lower", &self.lower)] {
+            if body.thickness >= 0.5 * body.outer_radius {
+                return Err(Error::value(
+                    &format!("{name}.thickness"),
+                    body.thickness,
+                    format!("less than half of {name}.outer_radius, {}", 0.5 * body.outer_radius),
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+macro_rules! body_rows {
+    ($($field:ident, $unit:expr, $minimum:expr, $maximum:expr, $nominal:expr, $description:literal;)*) => {
+        [$(
+            Parameter {
+                name: concat!("upper.", stringify!($field)),
+                unit: $unit,
+                description: concat!($description, " of the upper body"),
+                kind: Kind::Real {
+                    minimum: $minimum, maximum: $maximum, nominal: $nominal, access: |p| &mut p.upper.$field,
+                },
+            },
+            Parameter {
+                name: concat!("lower.", stringify!($field)),
+                unit: $unit,
+                description: concat!($description, " of the lower body"),
+                kind: Kind::Real {
+                    minimum: $minimum, maximum: $maximum, nominal: $nominal, access: |p| &mut p.lower.$field,
+                },
+            },
+        )*]
+    };
+}
+
+static BODY_ROWS: [Parameter; 12] = body_rows! {
+    outer_radius, Unit::Metre, 1e-3, 1e3, 0.1, "Radius of the undeformed articular surface";
+    thickness, Unit::Metre, 1e-5, 1e-1, 1e-3, "Thickness of the cartilage layer";
+    shear_modulus, Unit::Pascal, 1e2, 1e10, 1e6, "Drained shear modulus";
+    bulk_modulus, Unit::Pascal, 1e2, 1e10, 1e6, "Drained bulk modulus";
+    permeability, Unit::SquareMetre, 1e-24, 1e-9, 1e-15, "Intrinsic permeability (hydraulic permeability times viscosity)";
+    biot_coefficient, Unit::One, 0.0, 1.0, 1.0, "Biot-Willis coefficient";
+};
+
+const fn real(
+    name: &'static str,
+    unit: Unit,
+    [minimum, maximum, nominal]: [f64; 3],
+    access: fn(&mut Parameters) -> &mut f64,
+    description: &'static str,
+) -> Parameter {
+    Parameter { name, unit, description, kind: Kind::Real { minimum, maximum, nominal, access } }
+}
+
+const fn integer(
+    name: &'static str,
+    [minimum, maximum]: [i32; 2],
+    access: fn(&mut Parameters) -> &mut i32,
+    description: &'static str,
+) -> Parameter {
+    Parameter { name, unit: Unit::One, description, kind: Kind::Integer { minimum, maximum, access } }
+}
+
+static COMMON_ROWS: [Parameter; 16] = [
+    real(
+        "sector_half_angle",
+        Unit::Radian,
+        [1e-3, 0.7, 0.1],
+        |p| &mut p.sector_half_angle,
+        "Half the angle of the modelled sector of the body with the smaller radius",
+    ),
+    real(
+        "width",
+        Unit::Metre,
+        [1e-6, 1e3, 1.0],
+        |p| &mut p.width,
+        "Extent of the contact out of the plane: forces are loads per unit depth times this",
+    ),
+    real("viscosity", Unit::PascalSecond, [1e-6, 1e3, 1e-3], |p| &mut p.viscosity, "Dynamic viscosity of the fluid"),
+    real(
+        "density",
+        Unit::KilogramPerCubicMetre,
+        [1.0, 1e5, 1e3],
+        |p| &mut p.density,
+        "Density of the fluid at ambient pressure",
+    ),
+    real(
+        "fluid_compressibility",
+        Unit::PerPascal,
+        [0.0, 1e-7, 1e-10],
+        |p| &mut p.fluid_compressibility,
+        "Compressibility of the fluid",
+    ),
+    real(
+        "boundary_friction_coefficient",
+        Unit::One,
+        [0.0, 2.0, 0.5],
+        |p| &mut p.boundary_friction_coefficient,
+        "Friction coefficient of drained solid on solid",
+    ),
+    Parameter {
+        name: "boundary_friction_loads_tissue",
+        unit: Unit::One,
+        description: "Whether boundary friction acts on the tissue as a traction or is only reported",
+        kind: Kind::Boolean { access: |p| &mut p.boundary_friction_loads_tissue },
+    },
+    real(
+        "friction_regularisation_speed",
+        Unit::MetrePerSecond,
+        [1e-9, 1.0, 1e-3],
+        |p| &mut p.friction_regularisation_speed,
+        "Sliding velocity at which regularised Coulomb friction reaches 71 % of its full value (consistent formulation)",
+    ),
+    real(
+        "shear_film_offset",
+        Unit::Metre,
+        [1e-9, 1e-4, 1e-7],
+        |p| &mut p.shear_film_offset,
+        "Length added to the film thickness in the Couette shear stress, so that it stays finite in contact",
+    ),
+    Parameter {
+        name: "formulation",
+        unit: Unit::One,
+        description: "Which balance laws are solved",
+        kind: Kind::Choice {
+            items: &[
+                ("paper", "The equations of de Boer et al. (2020) as printed"),
+                ("consistent", "Total-stress poroelasticity at finite strain, regularised Coulomb friction"),
+            ],
+            get: |p| match p.formulation {
+                Formulation::Paper => 0,
+                Formulation::Consistent => 1,
+            },
+            set: |p, index| p.formulation = if index == 0 { Formulation::Paper } else { Formulation::Consistent },
+        },
+    },
+    integer("mesh.columns", [8, 2000], |p| &mut p.mesh.columns, "Elements along the articular surface"),
+    integer("mesh.rows", [1, 200], |p| &mut p.mesh.rows, "Elements through the thickness of a layer"),
+    real(
+        "mesh.column_grading",
+        Unit::One,
+        [0.0, 8.0, 1.0],
+        |p| &mut p.mesh.column_grading,
+        "Strength of the sinh grading of the columns towards the middle of the contact; 0 is uniform",
+    ),
+    real(
+        "mesh.row_grading",
+        Unit::One,
+        [0.0, 8.0, 1.0],
+        |p| &mut p.mesh.row_grading,
+        "Strength of the sinh grading of the rows towards the articular surface; 0 is uniform",
+    ),
+    integer(
+        "mesh.pressure_order",
+        [1, 2],
+        |p| &mut p.pressure_order,
+        "Polynomial order of the pore pressure; use 1 at tissue permeability (1e-17 m2 and below)",
+    ),
+    real(
+        "tolerance",
+        Unit::One,
+        [1e-12, 1e-2, 1e-6],
+        |p| &mut p.tolerance,
+        "Newton's method stops when its update, relative to the fields, is below this",
+    ),
+];
+
+/// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
+pub static PARAMETERS: [&Parameter; 28] = {
+    let mut rows = [&BODY_ROWS[0]; 28];
+    let mut i = 0;
+    while i < 28 {
+        rows[i] = if i < 12 { &BODY_ROWS[i] } else { &COMMON_ROWS[i - 12] };
+        i += 1;
+    }
+    rows
+};
