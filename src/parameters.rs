@@ -96,7 +96,7 @@ impl Default for Parameters {
             friction_regularisation_speed: 1e-3,
             shear_film_offset: 1e-7,
             formulation: Formulation::Paper,
-            mesh: Mesh { columns: 120, rows: 8, column_grading: 3.0, row_grading: 2.0 },
+            mesh: Mesh { columns: 120, rows: 8, column_grading: 2.5, row_grading: 2.0 },
             pressure_order: 2,
             tolerance: 1e-6,
         }

@@ -225,8 +225,7 @@ impl Simulation {
 
     /// Newton's method from a guess.
     fn solve(&mut self, guess: State, target: &Inputs, limit: usize) -> (Result<State, String>, usize) {
-        let settings =
-            newton::Settings { tolerance: self.parameters.tolerance, maximum_iterations: limit };
+        let settings = newton::Settings { tolerance: self.parameters.tolerance, maximum_iterations: limit };
         let State { mirrored, mut unknowns, active, .. } = guess;
         let system = self.system(mirrored);
         let mut problem = Balance { system, inputs: target, rates: None, active, residual: Residual::default() };

@@ -19,16 +19,24 @@ pub struct Stuck<E> {
 /// [`Stuck`] where even the shortest step fails.
 pub fn advance<E>(mut attempt: impl FnMut(f64) -> Result<f64, E>) -> Result<(), Stuck<E>> {
     let (mut done, mut step) = (0.0, 1.0_f64);
+    // After a failure a step has to prove itself twice before a longer one is tried.
+    let mut successes = 2;
     while done < 1.0 {
         // The last step ends on 1 exactly.
         let target = if done + step >= 1.0 - 1e-12 { 1.0 } else { done + step };
         match attempt(target) {
             Ok(reached) => {
                 done = reached;
-                step *= 2.0;
+                successes += 1;
+                if successes > 2 {
+                    step *= 2.0;
+                }
             }
             Err(reason) if step <= SHORTEST => return Err(Stuck { fraction: done, reason }),
-            Err(_) => step *= 0.5,
+            Err(_) => {
+                step *= 0.5;
+                successes = 0;
+            }
         }
         step = step.min(1.0 - done).max(SHORTEST);
     }
@@ -53,7 +61,7 @@ mod tests {
         });
         assert_eq!(result, Ok(()));
         assert!((steps.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!(steps.len() <= 5, "{steps:?}");
+        assert!(steps.len() <= 4, "{steps:?}");
     }
 
     #[test]
