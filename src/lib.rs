@@ -5,3 +5,4 @@ pub mod outputs;
 pub mod parameters;
 pub mod simulation;
 pub mod units;
+pub mod variables;
