@@ -1,6 +1,7 @@
 //! Lubrication of cartilage on cartilage.
 
 pub mod error;
+pub mod fmi;
 pub mod io;
 pub mod outputs;
 pub mod parameters;

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::units::Unit;
 
 /// Which reading of the balance laws is solved (see the crate documentation).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Formulation {
     /// The equations of de Boer et al. (2020) as printed.
     Paper,
@@ -16,7 +16,7 @@ pub enum Formulation {
 }
 
 /// One cartilage layer on its bone.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Body {
     /// Radius of the articular surface [m].
     pub outer_radius: f64,
@@ -33,7 +33,7 @@ pub struct Body {
 }
 
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mesh {
     /// Elements along the articular surface.
     pub columns: i32,
@@ -46,7 +46,7 @@ pub struct Mesh {
 }
 
 /// All parameters of a case.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Parameters {
     /// The body above the film.
     pub upper: Body,

@@ -209,7 +209,8 @@ impl Variable {
 }
 
 impl InputRow {
-    fn get(&self, inputs: &Inputs) -> f64 {
+    /// The present value.
+    pub fn get(&self, inputs: &Inputs) -> f64 {
         let mut copy = *inputs;
         *(self.access)(&mut copy)
     }

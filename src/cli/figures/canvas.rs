@@ -30,7 +30,7 @@ pub mod palette {
 }
 
 /// Where a text's position lies relative to the text: horizontally, vertically.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Anchor(pub HPos, pub VPos);
 
 /// A drawing surface measured in points, the origin at the top left.
@@ -46,7 +46,7 @@ pub trait Canvas {
 }
 
 /// How a text looks.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Lettering {
     /// Height in points.
     pub size: f64,
@@ -77,7 +77,7 @@ impl<B: DrawingBackend> Surface<'_, B> {
         ((x * scale).round() as i32, (y * scale).round() as i32)
     }
 
-    fn style(lettering: &Lettering) -> TextStyle<'static> {
+    fn style(lettering: &Lettering) -> TextStyle<'_> {
         let style = if lettering.bold { FontStyle::Bold } else { FontStyle::Normal };
         let Anchor(horizontal, vertical) = lettering.anchor;
         let style = TextStyle::from((FontFamily::SansSerif, lettering.size * f64::from(OVERSAMPLING), style))
@@ -101,6 +101,9 @@ impl<B: DrawingBackend> Canvas for Surface<'_, B> {
     }
 
     fn text(&self, text: &str, at: (f64, f64), style: &Lettering) -> Result<(), String> {
+        if text.is_empty() {
+            return Ok(());
+        }
         let style = Self::style(style);
         self.area.draw(&Text::new(text.to_owned(), Self::pixel(at), style)).map_err(|e| e.to_string())
     }

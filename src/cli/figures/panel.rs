@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{Canvas, Lettering, palette};
+use super::canvas::{Anchor, Canvas, Lettering, palette};
 
 /// How values are spread along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,8 +62,8 @@ pub struct Panel {
     pub label_x: bool,
     /// Shaded intervals, below the curves.
     pub bands: Vec<Band>,
-    /// Values of x marked by a thin vertical line.
-    pub marks: Vec<f64>,
+    /// Values of x marked by a dotted vertical line, with its colour.
+    pub marks: Vec<(f64, RGBColor)>,
     /// The curves.
     pub lines: Vec<Line>,
 }
@@ -124,7 +124,16 @@ impl Axis {
 fn nice_step(span: f64, count: f64) -> f64 {
     let power = 10_f64.powf((span / count).log10().floor());
     let fraction = span / count / power;
-    power * if fraction < 1.5 { 1.0 } else if fraction < 3.5 { 2.0 } else if fraction < 7.5 { 5.0 } else { 10.0 }
+    power
+        * if fraction < 1.5 {
+            1.0
+        } else if fraction < 3.5 {
+            2.0
+        } else if fraction < 7.5 {
+            5.0
+        } else {
+            10.0
+        }
 }
 
 /// A round range that holds all finite (on a logarithmic axis: positive) values.
@@ -145,23 +154,17 @@ pub fn range_of(values: impl Iterator<Item = f64>, scale: Scale) -> (f64, f64) {
     }
 }
 
-/// A tick's number as people write it.
+/// A tick's number as people write it; what follows `^` is to be raised.
 pub fn tick_label(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
     let size = value.abs();
-    let text = if size >= 1e5 || size < 1e-3 {
+    let text = if !(1e-3..1e5).contains(&size) {
         let exponent = size.log10().floor();
-        let digits = ["\u{2070}", "\u{b9}", "\u{b2}", "\u{b3}", "\u{2074}", "\u{2075}", "\u{2076}", "\u{2077}", "\u{2078}", "\u{2079}"];
-        let raised: String = format!("{}", exponent.abs())
-            .chars()
-            .filter_map(|c| c.to_digit(10))
-            .map(|d| digits[d as usize])
-            .collect();
-        let sign = if exponent < 0.0 { "\u{207b}" } else { "" };
         let factor = (size / 10_f64.powf(exponent) * 1e6).round() / 1e6;
-        if factor == 1.0 { format!("10{sign}{raised}") } else { format!("{factor}\u{b7}10{sign}{raised}") }
+        let power = format!("10^{exponent}").replace('-', "\u{2212}");
+        if factor == 1.0 { power } else { format!("{factor}\u{b7}{power}") }
     } else {
         format!("{}", (size * 1e6).round() / 1e6)
     };
@@ -178,8 +181,8 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
         let edge = |v: f64| at_x(v).unwrap_or(left).clamp(left, right);
         let (a, b) = (edge(band.range.0), edge(band.range.1));
         canvas.area(&[(a, top), (b, top), (b, bottom), (a, bottom)], band.colour, 0.16)?;
-        let style = Lettering { colour: palette::GREY, ..Lettering::plain(TICK_SIZE, HPos::Center, VPos::Top) };
-        canvas.text(&band.label, (0.5 * (a + b), top + 5.0), &style)?;
+        let style = Lettering { colour: palette::GREY, ..Lettering::plain(TICK_SIZE, HPos::Left, VPos::Top) };
+        canvas.text(&band.label, (a + 8.0, top + 5.0), &style)?;
     }
     let grid = RGBColor(0xDD, 0xDD, 0xDD);
     let (major, minor) = panel.y.ticks();
@@ -187,7 +190,7 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
         canvas.line(&[(left, y), (right, y)], grid, 1.0)?;
         canvas.line(&[(left - 6.0, y), (left, y)], palette::BLACK, 1.2)?;
         let style = Lettering::plain(TICK_SIZE, HPos::Right, VPos::Center);
-        canvas.text(&tick_label(value), (left - 9.0, y), &style)?;
+        number(canvas, &tick_label(value), (left - 9.0, y), &style)?;
     }
     for y in minor.iter().filter_map(|&v| at_y(v)) {
         canvas.line(&[(left - 3.5, y), (left, y)], palette::BLACK, 1.0)?;
@@ -198,14 +201,14 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
         canvas.line(&[(x, bottom), (x, bottom + 6.0)], palette::BLACK, 1.2)?;
         if panel.label_x {
             let style = Lettering::plain(TICK_SIZE, HPos::Center, VPos::Top);
-            canvas.text(&tick_label(value), (x, bottom + 8.0), &style)?;
+            number(canvas, &tick_label(value), (x, bottom + 8.0), &style)?;
         }
     }
     for x in minor.iter().filter_map(|&v| at_x(v)) {
         canvas.line(&[(x, bottom), (x, bottom + 3.5)], palette::BLACK, 1.0)?;
     }
-    for x in panel.marks.iter().filter_map(|&v| at_x(v)) {
-        dashed(canvas, &[(x, top), (x, bottom)], palette::GREY, 1.2, (2.0, 4.0))?;
+    for (x, colour) in panel.marks.iter().filter_map(|&(v, colour)| at_x(v).map(|x| (x, colour))) {
+        dashed(canvas, &[(x, top), (x, bottom)], colour, 2.0, (3.0, 4.0))?;
     }
     for line in &panel.lines {
         for piece in pieces(line, frame, &at_x, &at_y) {
@@ -227,6 +230,21 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
     let style = Lettering { upwards: true, ..Lettering::plain(LABEL_SIZE, HPos::Center, VPos::Bottom) };
     canvas.text(&panel.y.label, (left - 64.0, 0.5 * (top + bottom)), &style)?;
     legend(canvas, (right, top - 17.0), &panel.lines)
+}
+
+/// A number with its exponent raised. (Few fonts have all superscript digits.)
+fn number(canvas: &dyn Canvas, label: &str, (x, y): (f64, f64), style: &Lettering) -> Result<(), String> {
+    let Some((base, exponent)) = label.split_once('^') else { return canvas.text(label, (x, y), style) };
+    let small = Lettering { size: 0.75 * style.size, anchor: Anchor(HPos::Right, style.anchor.1), ..*style };
+    let (base_width, width) = (canvas.text_width(base, style), canvas.text_width(exponent, &small));
+    let right = match style.anchor.0 {
+        HPos::Left => x + base_width + width,
+        HPos::Center => x + 0.5 * (base_width + width),
+        HPos::Right => x,
+    };
+    canvas.text(exponent, (right, y - 0.35 * style.size), &small)?;
+    let base_style = Lettering { anchor: Anchor(HPos::Right, style.anchor.1), ..*style };
+    canvas.text(base, (right - width - 1.0, y), &base_style)
 }
 
 /// Names of the curves in one row above the panel, ending at its right edge.
@@ -331,8 +349,8 @@ mod tests {
         assert_eq!(major, [0.1, 1.0, 10.0]);
         assert_eq!(minor.len(), 16);
         assert_eq!(tick_label(-0.5), "\u{2212}0.5");
-        assert_eq!(tick_label(1e-4), "10\u{207b}\u{2074}");
-        assert_eq!(tick_label(2e6), "2\u{b7}10\u{2076}");
+        assert_eq!(tick_label(1e-4), "10^\u{2212}4");
+        assert_eq!(tick_label(2e6), "2\u{b7}10^6");
         assert_eq!(tick_label(0.30000000000000004), "0.3");
     }
 
