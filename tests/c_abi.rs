@@ -1,10 +1,14 @@
 //! The C interface, called as an importer calls it: every function in every phase, null pointers, panics, messages.
 #![allow(unsafe_code)]
 
+use std::collections::BTreeSet;
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::path::Path;
+use std::process::Command;
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
 
+use cartilage_contact::fmi::archive;
 use cartilage_contact::fmi::boundary;
 use cartilage_contact::fmi::description::token;
 use cartilage_contact::fmi::fmi2::*;
@@ -14,6 +18,9 @@ const OK: c_uint = 0;
 const DISCARD: c_uint = 2;
 const ERROR: c_uint = 3;
 const FATAL: c_uint = 4;
+
+/// A depth [m] at which the bones of two layers of 1 mm have gone through each other.
+const UNREACHABLE: f64 = 3e-3;
 
 type Messages = Mutex<Vec<(c_uint, String, String)>>;
 
@@ -64,8 +71,12 @@ impl Fmu {
                 assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 1, 1.0), OK);
                 assert_eq!(fmi2EnterInitializationMode(c), OK);
             }
-            if phase == Phase::StepComplete || phase == Phase::Terminated {
+            if ![Phase::Instantiated, Phase::Initialization].contains(&phase) {
                 assert_eq!(fmi2ExitInitializationMode(c), OK);
+            }
+            if phase == Phase::StepFailed {
+                assert_eq!(fmu.set_real("penetration_depth", UNREACHABLE), OK);
+                assert_eq!(fmu.step(0.0, 0.1), DISCARD);
             }
             if phase == Phase::Terminated {
                 assert_eq!(fmi2Terminate(c), OK);
@@ -120,47 +131,48 @@ enum Phase {
     Instantiated,
     Initialization,
     StepComplete,
+    StepFailed,
     Terminated,
 }
 
 type Function = (&'static str, &'static str, fn(*mut c_void) -> c_uint);
 
 /// Every function that depends on the phase: in which of the phases (`i`nstantiated, initialization `m`ode, step
-/// `c`omplete, `t`erminated) the standard allows it, and a call that is right but for the phase.
+/// `c`omplete, step `f`ailed, `t`erminated) the standard allows it, and a call that is right but for the phase.
 #[rustfmt::skip]
 const FUNCTIONS: [Function; 31] = [
-    ("fmi2SetDebugLogging", "imct", |c| unsafe { fmi2SetDebugLogging(c, 0, 0, null()) }),
+    ("fmi2SetDebugLogging", "imcft", |c| unsafe { fmi2SetDebugLogging(c, 0, 0, null()) }),
     ("fmi2SetupExperiment", "i", |c| unsafe { fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) }),
     ("fmi2EnterInitializationMode", "i", |c| unsafe { fmi2EnterInitializationMode(c) }),
     ("fmi2ExitInitializationMode", "m", |c| unsafe { fmi2ExitInitializationMode(c) }),
-    ("fmi2Terminate", "c", |c| unsafe { fmi2Terminate(c) }),
-    ("fmi2Reset", "imct", |c| unsafe { fmi2Reset(c) }),
-    ("fmi2GetReal", "mct", |c| unsafe { fmi2GetReal(c, &reference("load"), 1, &mut 0.0) }),
-    ("fmi2GetInteger", "mct", |c| unsafe { fmi2GetInteger(c, &reference("lubrication_regime"), 1, &mut 0) }),
-    ("fmi2GetBoolean", "mct", |c| unsafe { fmi2GetBoolean(c, &reference("boundary_friction_loads_tissue"), 1, &mut 0) }),
-    ("fmi2GetString", "mct", |c| unsafe { fmi2GetString(c, null(), 0, null_mut()) }),
+    ("fmi2Terminate", "cf", |c| unsafe { fmi2Terminate(c) }),
+    ("fmi2Reset", "imcft", |c| unsafe { fmi2Reset(c) }),
+    ("fmi2GetReal", "mcft", |c| unsafe { fmi2GetReal(c, &reference("load"), 1, &mut 0.0) }),
+    ("fmi2GetInteger", "mcft", |c| unsafe { fmi2GetInteger(c, &reference("lubrication_regime"), 1, &mut 0) }),
+    ("fmi2GetBoolean", "mcft", |c| unsafe { fmi2GetBoolean(c, &reference("boundary_friction_loads_tissue"), 1, &mut 0) }),
+    ("fmi2GetString", "mcft", |c| unsafe { fmi2GetString(c, null(), 0, null_mut()) }),
     ("fmi2SetReal", "imc", |c| unsafe { fmi2SetReal(c, &reference("sliding_speed"), 1, &0.1) }),
     ("fmi2SetInteger", "imc", |c| unsafe { fmi2SetInteger(c, null(), 0, null()) }),
     ("fmi2SetBoolean", "imc", |c| unsafe { fmi2SetBoolean(c, null(), 0, null()) }),
     ("fmi2SetString", "imc", |c| unsafe { fmi2SetString(c, null(), 0, null()) }),
-    ("fmi2GetFMUstate", "imct", |c| with_state(c, |_, _| OK)),
-    ("fmi2SetFMUstate", "imct", |c| with_state(c, |c, state| unsafe { fmi2SetFMUstate(c, state) })),
-    ("fmi2FreeFMUstate", "imct", |c| unsafe { fmi2FreeFMUstate(c, &mut null_mut()) }),
-    ("fmi2SerializedFMUstateSize", "imct", |c| with_state(c, |c, state| unsafe { fmi2SerializedFMUstateSize(c, state, &mut 0) })),
-    ("fmi2SerializeFMUstate", "imct", |c| with_state(c, |c, state| if bytes(c, state).is_empty() { ERROR } else { OK })),
-    ("fmi2DeSerializeFMUstate", "imct", |c| with_state(c, |c, state| from_bytes(c, &bytes(c, state)))),
-    ("fmi2GetDirectionalDerivative", "mct", |c| unsafe { fmi2GetDirectionalDerivative(c, &reference("load"), 1, &reference("sliding_speed"), 1, &1.0, &mut 0.0) }),
+    ("fmi2GetFMUstate", "imcft", |c| with_state(c, |_, _| OK)),
+    ("fmi2SetFMUstate", "imcft", |c| with_state(c, |c, state| unsafe { fmi2SetFMUstate(c, state) })),
+    ("fmi2FreeFMUstate", "imcft", |c| unsafe { fmi2FreeFMUstate(c, &mut null_mut()) }),
+    ("fmi2SerializedFMUstateSize", "imcft", |c| with_state(c, |c, state| unsafe { fmi2SerializedFMUstateSize(c, state, &mut 0) })),
+    ("fmi2SerializeFMUstate", "imcft", |c| with_state(c, |c, state| if bytes(c, state).is_empty() { ERROR } else { OK })),
+    ("fmi2DeSerializeFMUstate", "imcft", |c| with_state(c, |c, state| from_bytes(c, &bytes(c, state)))),
+    ("fmi2GetDirectionalDerivative", "mcft", |c| unsafe { fmi2GetDirectionalDerivative(c, &reference("load"), 1, &reference("sliding_speed"), 1, &1.0, &mut 0.0) }),
     ("fmi2SetRealInputDerivatives", "imc", |c| unsafe { fmi2SetRealInputDerivatives(c, &reference("sliding_speed"), 1, &1, &0.1) }),
-    ("fmi2GetRealOutputDerivatives", "ct", |c| unsafe { fmi2GetRealOutputDerivatives(c, &reference("load"), 1, &1, &mut 0.0) }),
+    ("fmi2GetRealOutputDerivatives", "cft", |c| unsafe { fmi2GetRealOutputDerivatives(c, &reference("load"), 1, &1, &mut 0.0) }),
     ("fmi2DoStep", "c", |c| unsafe { fmi2DoStep(c, 0.0, 0.1, 1) }),
     ("fmi2CancelStep", "", |c| unsafe { fmi2CancelStep(c) }),
-    ("fmi2GetRealStatus", "ct", |c| unsafe { fmi2GetRealStatus(c, 2, &mut 0.0) }),
-    ("fmi2GetBooleanStatus", "ct", |c| unsafe { fmi2GetBooleanStatus(c, 3, &mut 0) }),
+    ("fmi2GetRealStatus", "cft", |c| unsafe { fmi2GetRealStatus(c, 2, &mut 0.0) }),
+    ("fmi2GetBooleanStatus", "cft", |c| unsafe { fmi2GetBooleanStatus(c, 3, &mut 0) }),
     // Steps are never pending: where these are allowed, the answer is fmi2Discard.
-    ("fmi2GetStatus", "ct", |c| only_discard(unsafe { fmi2GetStatus(c, 0, &mut 0) })),
-    ("fmi2GetIntegerStatus", "ct", |c| only_discard(unsafe { fmi2GetIntegerStatus(c, 0, &mut 0) })),
-    ("fmi2GetStringStatus", "ct", |c| only_discard(unsafe { fmi2GetStringStatus(c, 1, &mut null()) })),
-    ("fmi2GetRealStatus(fmi2DoStepStatus)", "ct", |c| only_discard(unsafe { fmi2GetRealStatus(c, 0, &mut 0.0) })),
+    ("fmi2GetStatus", "cft", |c| only_discard(unsafe { fmi2GetStatus(c, 0, &mut 0) })),
+    ("fmi2GetIntegerStatus", "cft", |c| only_discard(unsafe { fmi2GetIntegerStatus(c, 0, &mut 0) })),
+    ("fmi2GetStringStatus", "cft", |c| only_discard(unsafe { fmi2GetStringStatus(c, 1, &mut null()) })),
+    ("fmi2GetRealStatus(fmi2DoStepStatus)", "cft", |c| only_discard(unsafe { fmi2GetRealStatus(c, 0, &mut 0.0) })),
 ];
 
 fn only_discard(status: c_uint) -> c_uint {
@@ -368,6 +380,28 @@ fn a_step_that_is_none_is_refused_and_the_next_good_one_goes_on() {
 }
 
 #[test]
+fn a_step_without_a_solution_is_discarded_and_its_start_can_be_restored() {
+    let fmu = Fmu::in_phase(Phase::StepComplete);
+    let c = fmu.handle;
+    assert_eq!(fmu.step(0.0, 0.25), OK);
+    let load = fmu.get_real("load");
+    let (mut state, mut time, mut ended) = (null_mut(), f64::NAN, 1);
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(c, &mut state), OK);
+        assert_eq!(fmu.set_real("penetration_depth", UNREACHABLE), OK);
+        assert_eq!(fmu.step(0.25, 0.25), DISCARD);
+        assert_eq!(fmu.take_messages()[0].1, "logStatusDiscard");
+        assert_eq!(fmi2GetRealStatus(c, 2, &mut time), OK);
+        assert_eq!(fmi2GetBooleanStatus(c, 3, &mut ended), OK);
+        assert_eq!((time, ended), (0.25, 0));
+        assert_eq!(fmu.get_real("load").to_bits(), load.to_bits());
+        assert_eq!(fmi2SetFMUstate(c, state), OK);
+        assert_eq!(fmi2FreeFMUstate(c, &mut state), OK);
+    }
+    assert_eq!(fmu.step(0.25, 0.25), OK);
+}
+
+#[test]
 fn bytes_of_a_state_are_refused_when_cut_altered_or_foreign() {
     let fmu = Fmu::in_phase(Phase::StepComplete);
     let c = fmu.handle;
@@ -473,6 +507,18 @@ fn derivatives_are_refused_for_what_has_none() {
         assert_eq!(unsafe { fmi2GetDirectionalDerivative(fmu.handle, &unknown, 1, &known, 1, &1.0, &mut 0.0) }, ERROR);
         fmu.message();
     }
+}
+
+#[test]
+fn exactly_the_functions_of_the_standard_are_exported() {
+    let library = archive::library_beside(Path::new(env!("CARGO_BIN_EXE_cartilage-contact")));
+    let listed = Command::new("nm").args(["-D", "--defined-only", "--format=posix"]).arg(&library).output().unwrap();
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    let exported: BTreeSet<&str> = listed.lines().filter_map(|line| line.split(' ').next()).collect();
+    let tested = FUNCTIONS.iter().map(|(name, ..)| *name).filter(|name| !name.contains('('));
+    let others = ["fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate", "fmi2FreeInstance"];
+    assert_eq!(exported, tested.chain(others).collect());
+    assert_eq!(exported.len(), 34);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use std::fs::File;
 use std::io::{Cursor, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -19,6 +19,16 @@ const REFERENCE_INPUT: &str = include_str!("../../modelDescription/reference/inp
 const REFERENCE_RESULT: &str = include_str!("../../modelDescription/reference/result.csv");
 const REFERENCE_MANIFEST: &str = include_str!("../../modelDescription/reference/fmi-ls-manifest.xml");
 const RESOURCES: &str = "The FMU needs no files beside its library.\n";
+
+/// The shared library that Cargo built together with a program: in the program's folder or in `deps` below it, whichever is
+/// newer, because Cargo does not always copy it from there.
+pub fn library_beside(program: &Path) -> PathBuf {
+    let name = format!("{}cartilage_contact{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let folder = program.parent().unwrap_or(Path::new(""));
+    let (beside, below) = (folder.join(&name), folder.join("deps").join(&name));
+    let built = |path: &Path| path.metadata().and_then(|data| data.modified()).ok();
+    if built(&below) > built(&beside) { below } else { beside }
+}
 
 /// Writes the FMU with this library in it, and the folder that `output` is in.
 ///
