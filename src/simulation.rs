@@ -68,8 +68,18 @@ impl Simulation {
     /// [`Error::Value`] for inputs out of range, [`Error::NotConverged`] where no solution was found; either way the state is
     /// what it was before.
     pub fn solve_steady(&mut self, inputs: Inputs) -> Result<(), Error> {
+        if inputs.penetration_depth > self.parameters.upper.thickness + self.parameters.lower.thickness {
+            return Err(Error::NotConverged {
+                requested: format!("{inputs:?}"),
+                reached: format!("{:?}", self.inputs),
+                fraction: 0.0,
+                reason: "the bones would touch".into(),
+            });
+        }
         self.inputs = inputs;
         self.outputs.load = 1e6 * inputs.penetration_depth + inputs.sliding_speed;
+        self.derivatives[0].load = 1e6;
+        self.derivatives[1].load = 1.0;
         Ok(())
     }
 

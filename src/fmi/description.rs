@@ -155,11 +155,9 @@ fn scalar_variable(xml: &mut String, reference: usize, variable: &Variable) {
 fn attributes(variable: &Variable) -> Vec<(&'static str, String)> {
     let mut found = Vec::new();
     match variable.data_type() {
-        Type::Real => {
-            if variable.unit != Unit::One {
-                found.push(("unit", variable.unit.name().to_owned()));
-                found.extend(variable.display_unit().map(|unit| ("displayUnit", unit.name.to_owned())));
-            }
+        Type::Real if variable.unit != Unit::One => {
+            found.push(("unit", variable.unit.name().to_owned()));
+            found.extend(variable.display_unit().map(|unit| ("displayUnit", unit.name.to_owned())));
         }
         Type::Enumeration(_) => found.push(("declaredType", type_name(variable))),
         _ => {}

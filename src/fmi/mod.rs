@@ -12,9 +12,10 @@
 //! | [`boundary`] | handles, slices and strings from C, panics |
 //! | [`fmi2`] | the 34 functions of FMI 2.0 for co-simulation |
 
+pub mod archive;
 pub mod boundary;
 pub mod description;
-
+pub mod documentation;
 pub mod fmi2;
 pub mod instance;
 pub mod log;
