@@ -1,5 +1,7 @@
 //! The command line: what it prints, what it refuses, and with which exit code.
 
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -191,4 +193,39 @@ fn the_examples_are_cases() {
     for case in &cases {
         Simulation::new(&case.parameters).unwrap();
     }
+}
+
+#[test]
+fn without_arguments_it_builds_and_drives_the_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_in(folder.path(), "");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = out(&output);
+    for expected in
+        ["Built target/fmu/CartilageLineContact.fmu", "depth", "regime", "Wrote target/fmu/press_and_release.csv"]
+    {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    let made = folder.path().join("target/fmu");
+    let mut table = csv::Reader::from_path(made.join("press_and_release.csv")).unwrap();
+    let header: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+    assert_eq!(header[..4], ["time", "penetration_depth", "sliding_speed", "slide_to_roll_ratio"]);
+    for row in variables::scalar_outputs() {
+        assert!(header.contains(&row.name), "{} is not in the CSV", row.name);
+    }
+    let depths: Vec<f64> = table.records().map(|record| record.unwrap()[1].parse().unwrap()).collect();
+    assert_eq!(depths.len(), 81);
+    assert_eq!((depths[0], depths[40], depths[80]), (-10.0 * 1e-6, 30.0 * 1e-6, -10.0 * 1e-6));
+    let [svg, png] =
+        ["svg", "png"].map(|ending| std::fs::read(made.join("press_and_release").with_extension(ending)).unwrap());
+    assert!(svg.starts_with(b"<svg") && png.starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn package_writes_the_fmu_and_says_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_in(folder.path(), "package --output some/folder/contact.fmu");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(out(&output).trim(), "some/folder/contact.fmu");
+    assert!(std::fs::read(folder.path().join("some/folder/contact.fmu")).unwrap().starts_with(b"PK"));
 }

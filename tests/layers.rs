@@ -1,5 +1,7 @@
 //! Lower layers know nothing of higher ones: every `use crate::` points downwards.
 
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 use std::path::{Path, PathBuf};
 
 /// The layers from the bottom; those in one row do not use each other unless they are one module.

@@ -14,12 +14,12 @@ use cartilage_contact::error::Error;
 use clap::{Parser, Subcommand};
 
 const EXAMPLES: &str = "\
-Without a command: builds the FMU into target/fmu, loads it back, presses two layers together from 10 um of clearance to
+Without a command: builds the FMU into target/fmu, loads it back, presses two layers together from 10 um of clearance to \
 30 um past first touch and releases them at 0.2 m/s, and leaves a table (CSV) and a picture (SVG, PNG) beside the FMU.
 
-Signs and units: everything is in SI units. The penetration depth is the approach of the two bones past first touch of the
-undeformed surfaces: negative is clearance, positive presses the layers together. The sliding speed is the sum of the two
-surface speeds, both positive along +x.
+Signs and units: everything is in SI units. The penetration depth is the approach of the two bones past first touch of \
+the undeformed surfaces: negative is clearance, positive presses the layers together. The sliding speed is the sum of \
+the two surface speeds, both positive along +x.
 
 Examples:
   cartilage-contact
@@ -27,7 +27,7 @@ Examples:
   cartilage-contact solve --case examples/tissue.toml --json
   cartilage-contact solve --set both.shear_modulus=1e6 --set mesh.columns=200
   cartilage-contact package --output CartilageLineContact.fmu
-  cartilage-contact solve --help      every variable with its unit, default and range
+  cartilage-contact solve --help    (every variable with its unit, default and range)
 
 Exit code: 0 done, 1 failed, 2 wrong usage or a mistake in a case.";
 

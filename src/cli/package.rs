@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use cartilage_contact::fmi::archive;
+
 use super::{Failure, print};
 
 /// Where the FMU is written if nothing else is asked for.
@@ -10,7 +12,7 @@ pub const DEFAULT_OUTPUT: &str = "target/fmu/CartilageLineContact.fmu";
 /// Write the co-simulation FMU (FMI 2.0).
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The shared library to put in; by default the one beside this program
+    /// The shared library to put in; by default the one that was built together with this program
     #[arg(long, value_name = "PATH")]
     library: Option<PathBuf>,
 
@@ -29,26 +31,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 pub fn package(library: Option<&Path>, output: &Path) -> Result<(), Failure> {
     let library = match library {
         Some(path) => path.to_owned(),
-        None => library_beside_program()?,
+        None => archive::library_beside(&std::env::current_exe().map_err(|error| {
+            Failure::Failed(format!(
+                "could not find out where this program is: {error}; name the library with --library"
+            ))
+        })?),
     };
-    if !library.is_file() {
-        let message = format!(
-            "the FMU's library is not there: {}. Build it with `cargo build --release`, or name it with --library PATH",
-            library.display()
-        );
-        return Err(Failure::Failed(message));
-    }
-    if let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Failure::Failed(format!("could not make the folder {}: {error}", folder.display())))?;
-    }
-    Err(Failure::Failed("no archive".into()))
-}
-
-/// Where `cargo build` leaves the shared library: next to the executable.
-fn library_beside_program() -> Result<PathBuf, Failure> {
-    let program = std::env::current_exe()
-        .map_err(|error| Failure::Failed(format!("could not find out where this program is: {error}")))?;
-    let name = format!("{}cartilage_contact{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    Ok(program.with_file_name(name))
+    Ok(archive::package(&library, output)?)
 }

@@ -11,8 +11,8 @@ use cartilage_contact::variables::{self, VARIABLES, Variable, View};
 use super::{Failure, format, print};
 
 const EXAMPLES: &str = "\
-Defaults are the case of de Boer et al. (2020), Table 2, with 10 um of clearance. A case file replaces defaults, and flags
-replace what the case file says.
+Defaults are the case of de Boer et al. (2020), Table 2, with 10 um of clearance. A case file \
+replaces defaults, and flags replace what the case file says.
 
 Examples:
   cartilage-contact solve --penetration-depth 12e-6 --sliding-speed 0.2
