@@ -1,6 +1,7 @@
 //! Files that are made from the sources and committed: they must be what the sources say now.
 //!
 //! To make them again: `REGENERATE=1 cargo test --release --test package_files`, then look at the difference and commit.
+#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,7 +10,7 @@ use std::process::Command;
 
 use cartilage_contact::fmi::instance::Instance;
 use cartilage_contact::fmi::log::Log;
-use cartilage_contact::fmi::{description, documentation};
+use cartilage_contact::fmi::{archive, description, documentation};
 use cartilage_contact::variables::{Type, VARIABLES, scalar_outputs};
 
 const HOW: &str = "REGENERATE=1 cargo test --release --test package_files";
@@ -31,6 +32,32 @@ fn read_or_write(path: &str, made: &str) -> String {
 fn the_model_description_is_that_of_the_table() {
     let made = description::xml();
     assert!(read_or_write("fmi2.xml", made) == made, "modelDescription/fmi2.xml is out of date: {HOW}");
+}
+
+#[test]
+fn equal_input_gives_the_same_bytes() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("same bytes");
+    let library = archive::library_beside(Path::new(env!("CARGO_BIN_EXE_cartilage-contact")));
+    let made = ["one", "two"].map(|name| {
+        let path = folder.join(name).join("CartilageLineContact.fmu");
+        archive::package(&library, &path).unwrap();
+        std::fs::read(path).unwrap()
+    });
+    assert!(made[0] == made[1]);
+}
+
+#[test]
+fn a_missing_or_foreign_library_is_named_with_what_to_run() {
+    let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no.fmu");
+    for library in ["nowhere/libcartilage_contact.so", "Cargo.toml"] {
+        let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(library);
+        let message = archive::package(&library, &output).unwrap_err().to_string();
+        assert!(
+            message.contains(&library.display().to_string()) && message.contains("cargo build --release"),
+            "{message}"
+        );
+        assert!(!output.exists());
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! The packages of `tests/fmi/requirements.txt` are installed below `target/`, once for each version of that file.
 //! To run one test: `cargo test --release --test python -- importers`; or, for one of pytest's, put its name in the
 //! variable `PYTEST_ADDOPTS="-k name"`.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -163,7 +163,9 @@ fn attributes(variable: &Variable) -> Vec<(&'static str, String)> {
         _ => {}
     }
     if let Some((minimum, maximum)) = variable.range() {
-        found.extend([("min", number(minimum)), ("max", number(maximum))]);
+        // XML's integers have no exponent.
+        let text = if variable.data_type() == Type::Real { number } else { |bound: f64| bound.to_string() };
+        found.extend([("min", text(minimum)), ("max", text(maximum))]);
     }
     if variable.data_type() == Type::Real {
         found.push(("nominal", number(variable.nominal)));

@@ -7,7 +7,7 @@ use crate::fmi::log::{Category, Log, Status};
 use crate::fmi::phase::{Call, Phase};
 use crate::fmi::state::{SavedState, Settings};
 use crate::parameters::Value;
-use crate::simulation::{Input, Simulation};
+use crate::simulation::Simulation;
 use crate::variables::{Source, Type, VARIABLES, Variable, View};
 
 /// Why a call did not do what it was asked.
@@ -38,15 +38,15 @@ impl From<Error> for Refusal {
 pub struct Instance {
     /// What the importer is told.
     pub log: Log,
-    settings: Settings,
-    simulation: Option<Simulation>,
+    pub(super) settings: Settings,
+    pub(super) simulation: Option<Simulation>,
 }
 
-/// Masters add up step sizes; this much of a time (relative) is taken for rounding.
+/// Masters add up step sizes; this much of a time or a step is taken for rounding.
 const TIME_ROUNDING: f64 = 1e-9;
 
-fn later(a: f64, b: f64) -> bool {
-    a - b > TIME_ROUNDING * a.abs().max(b.abs())
+fn later(a: f64, b: f64, step: f64) -> bool {
+    a - b > TIME_ROUNDING * a.abs().max(b.abs()).max(step)
 }
 
 impl Instance {
@@ -252,92 +252,6 @@ impl Instance {
         Ok(())
     }
 
-    /// fmi2SetRealInputDerivatives: rates of the inputs during the next step.
-    pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer<()> {
-        self.check(Call::SetRealInputDerivatives)?;
-        let mut rates = self.settings.input_rates;
-        for ((reference, order), value) in references.iter().zip(orders).zip(values) {
-            let variable = lookup(*reference)?;
-            let input = as_input(variable)?;
-            if *order != 1 {
-                return refuse(format!("order {order} of {} is not allowed: 1", variable.name));
-            }
-            if !value.is_finite() {
-                return refuse(format!("derivative {value} of {} is not allowed: a finite number", variable.name));
-            }
-            rates[input as usize] = *value;
-        }
-        self.settings.input_rates = rates;
-        Ok(())
-    }
-
-    /// fmi2GetRealOutputDerivatives, with the rates of the inputs during the last step. Without
-    /// fmi2SetRealInputDerivatives the inputs are constant, and so are the outputs of a quasi-steady model.
-    pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Answer<()> {
-        self.check(Call::GetRealOutputDerivatives)?;
-        let mut found = Vec::with_capacity(values.len());
-        for (reference, order) in references.iter().zip(orders) {
-            let variable = lookup(*reference)?;
-            if *order < 1 {
-                return refuse(format!("order {order} of {} is not allowed: 1 or more", variable.name));
-            }
-            let rate = self.rate(variable, &self.settings.last_rates)?;
-            // Above the highest order there is, the standard asks for 0.
-            found.push(if *order == 1 { rate } else { 0.0 });
-        }
-        for (value, found) in values.iter_mut().zip(found) {
-            *value = found;
-        }
-        Ok(())
-    }
-
-    /// fmi2GetDirectionalDerivative of outputs with respect to inputs, at the last solution.
-    pub fn directional_derivative(
-        &mut self,
-        unknowns: &[u32],
-        knowns: &[u32],
-        seed: &[f64],
-        values: &mut [f64],
-    ) -> Answer<()> {
-        self.check(Call::GetDirectionalDerivative)?;
-        let mut rates = [0.0; 3];
-        for (reference, seed) in knowns.iter().zip(seed) {
-            let variable = lookup(*reference)?;
-            if !seed.is_finite() {
-                return refuse(format!("seed {seed} of {} is not allowed: a finite number", variable.name));
-            }
-            rates[as_input(variable)? as usize] += seed;
-        }
-        self.solve_if_needed()?;
-        let found: Vec<f64> =
-            unknowns.iter().map(|reference| self.rate(lookup(*reference)?, &rates)).collect::<Answer<_>>()?;
-        for (value, found) in values.iter_mut().zip(found) {
-            *value = found;
-        }
-        Ok(())
-    }
-
-    /// Sum of dy/du * du/dt over the inputs.
-    fn rate(&self, variable: &Variable, rates: &[f64; 3]) -> Answer<f64> {
-        let Some(simulation) = &self.simulation else { return refuse("nothing has been solved yet") };
-        let mut sum = 0.0;
-        for input in [Input::PenetrationDepth, Input::SlidingSpeed, Input::SlideToRollRatio] {
-            match variable.derivative(simulation.derivatives(input)) {
-                Some(slope) => sum += slope * rates[input as usize],
-                None => {
-                    return refuse(format!(
-                        "{} has no derivative: it is no smooth result of the inputs",
-                        variable.name
-                    ));
-                }
-            }
-        }
-        if !sum.is_finite() {
-            return refuse(format!("the derivative of {} is too large for a number", variable.name));
-        }
-        Ok(sum)
-    }
-
     /// fmi2DoStep: the steady solution for the inputs at the end of the step.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<()> {
         self.check(Call::DoStep)?;
@@ -345,11 +259,11 @@ impl Instance {
         if !(step.is_finite() && step > 0.0) {
             return refuse(format!("communicationStepSize = {step} is not allowed: a positive number"));
         }
-        if !from.is_finite() || later(from, time) || later(time, from) {
+        if !from.is_finite() || later(from, time, step) || later(time, from, step) {
             return refuse(format!("currentCommunicationPoint = {from} is not allowed: the instance is at {time}"));
         }
         let end = from + step;
-        if let Some(stop) = stop_time.filter(|stop| later(end, *stop)) {
+        if let Some(stop) = stop_time.filter(|stop| later(end, *stop, step)) {
             return refuse(format!("a step of {step} from {from} is not allowed: stopTime is {stop}"));
         }
         if end <= from {
@@ -409,7 +323,7 @@ impl Instance {
         Ok(())
     }
 
-    fn solve_if_needed(&mut self) -> Answer<()> {
+    pub(super) fn solve_if_needed(&mut self) -> Answer<()> {
         if self.settings.solved { Ok(()) } else { self.solve(self.settings.inputs) }
     }
 
@@ -428,17 +342,10 @@ impl Instance {
     }
 }
 
-fn lookup(reference: u32) -> Answer<&'static Variable> {
+pub(super) fn lookup(reference: u32) -> Answer<&'static Variable> {
     match usize::try_from(reference).ok().and_then(|index| VARIABLES.get(index)) {
         Some(variable) => Ok(variable),
         None => refuse(format!("value reference {reference} is unknown; there are 0 to {}", VARIABLES.len() - 1)),
-    }
-}
-
-fn as_input(variable: &Variable) -> Answer<Input> {
-    match variable.source {
-        Source::Input(row) => Ok(row.input),
-        _ => refuse(format!("{} is not an input", variable.name)),
     }
 }
 

@@ -5,6 +5,7 @@
 //! | [`phase`] | which call is legal when |
 //! | [`log`] | which messages the importer wants |
 //! | [`instance`] | one instance: inputs, outputs, steps; knows nothing of C |
+//! | [`derivatives`] | of outputs with respect to inputs and time |
 //! | [`state`] | saved states and their bytes |
 //! | [`description`] | `modelDescription.xml` |
 //! | [`documentation`] | `documentation/index.html` |
@@ -14,6 +15,7 @@
 
 pub mod archive;
 pub mod boundary;
+pub mod derivatives;
 pub mod description;
 pub mod documentation;
 pub mod fmi2;
