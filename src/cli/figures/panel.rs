@@ -136,6 +136,13 @@ fn nice_step(span: f64, count: f64) -> f64 {
         }
 }
 
+/// The next number of the form 1, 2 or 5 times a power of ten that is not below a positive value.
+fn round_up(value: f64) -> f64 {
+    let power = 10_f64.powf(value.log10().floor());
+    let candidates = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
+    candidates.into_iter().find(|candidate| *candidate >= value).unwrap_or(10.0 * power)
+}
+
 /// A round range that holds all finite (on a logarithmic axis: positive) values.
 pub fn range_of(values: impl Iterator<Item = f64>, scale: Scale) -> (f64, f64) {
     let usable = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
@@ -143,8 +150,9 @@ pub fn range_of(values: impl Iterator<Item = f64>, scale: Scale) -> (f64, f64) {
     match scale {
         _ if low > high => (1.0, 10.0),
         Scale::Logarithmic => {
-            let (low, high) = (low.log10().floor(), (high.log10() - 1e-9).ceil());
-            (10_f64.powf(low), 10_f64.powf(high.max(low + 1.0)))
+            // Not above `low`, and not below `high`; at least a decade, so that a power of ten lies in it.
+            let low = round_up(low * 5.0 * (1.0 + 1e-9)) / 10.0;
+            (low, round_up(high * (1.0 - 1e-9)).max(10.0 * low))
         }
         Scale::Linear => {
             let step = nice_step((high - low).max(1e-12 * high.abs()).max(f64::MIN_POSITIVE), 5.0);
@@ -357,7 +365,12 @@ mod tests {
     #[test]
     fn ranges_hold_all_values_and_ignore_what_an_axis_cannot_show() {
         assert_eq!(range_of([3.0, 47.0].into_iter(), Scale::Linear), (0.0, 50.0));
-        assert_eq!(range_of([0.0, f64::NAN, 0.02, 700.0].into_iter(), Scale::Logarithmic), (0.01, 1000.0));
+        let close = |(a, b): (f64, f64), (c, d): (f64, f64)| (a / c - 1.0).abs() < 1e-9 && (b / d - 1.0).abs() < 1e-9;
+        let range = |values: &[f64]| range_of(values.iter().copied(), Scale::Logarithmic);
+        assert!(close(range(&[0.0, f64::NAN, 0.03, 700.0]), (0.02, 1000.0)));
+        assert!(close(range(&[0.02, 10.1]), (0.02, 20.0)));
+        assert!(close(range(&[0.019, 20.0]), (0.01, 20.0)));
+        assert!(close(range(&[0.3, 0.4]), (0.2, 2.0)));
         assert_eq!(range_of([0.0, 0.0].into_iter(), Scale::Logarithmic), (1.0, 10.0));
         let (low, high) = range_of([2.0, 2.0].into_iter(), Scale::Linear);
         assert!(low <= 2.0 && high > low);

@@ -43,7 +43,7 @@ pub struct Film {
 const SIZE: (u32, u32) = (1600, 1000);
 const PROFILE_COLOURS: [plotters::style::RGBColor; 3] = [palette::ORANGE, palette::GREEN, palette::BLUE];
 /// Half the length of the interface that the profiles show [mm].
-const HALF_LENGTH: f64 = 4.0;
+const HALF_LENGTH: f64 = 3.0;
 
 /// Writes the figure as SVG and PNG.
 ///
@@ -58,7 +58,7 @@ fn draw(canvas: &dyn Canvas, film: &Film) -> Result<(), String> {
     canvas.text("Two cartilage layers pressed together and released while they slide", (40.0, 22.0), &title)?;
     let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
     canvas.text(
-        "Quasi-steady lubrication at 0.2 m/s. Depth is the approach of the bones past first touch of the undeformed surfaces.",
+        "Quasi-steady, 0.2 m/s, layers 1 mm thick of 100 mm radius (case of de Boer et al., 2020). Depth d: approach of the bones past first touch of the undeformed surfaces.",
         (40.0, 62.0),
         &subtitle,
     )?;
@@ -108,9 +108,10 @@ fn histories(film: &Film) -> Vec<Panel> {
         lines,
     };
     let log = Scale::Logarithmic;
-    // What touches has no film; a hundredth of a micron is as thin as the axis needs to go.
-    let thickness: Vec<f64> =
-        [&film.minimum_film, &film.central_film].into_iter().flatten().map(|h| h.max(1e-8)).collect();
+    // Down to a hundredth of a micron; what touches has no film, and its curve leaves the axis.
+    let shown = |values: &[f64], least: f64| values.iter().map(|h| h.max(least)).collect::<Vec<f64>>();
+    let thickness = [shown(&film.minimum_film, 1e-8), shown(&film.central_film, 1e-8)];
+    let [thinnest, middle] = [shown(&film.minimum_film, 1e-12), shown(&film.central_film, 1e-12)];
     vec![
         panel(
             "Penetration depth",
@@ -142,10 +143,10 @@ fn histories(film: &Film) -> Vec<Panel> {
         ),
         panel(
             "Film thickness",
-            Axis::logarithmic("h [\u{b5}m]", all(&[&thickness], 1e6, log)),
+            Axis::logarithmic("h [\u{b5}m]", all(&[&thickness[0], &thickness[1]], 1e6, log)),
             vec![
-                curve(&film.minimum_film, 1e6, "thinnest", palette::BLACK, false),
-                curve(&film.central_film, 1e6, "in the middle", palette::BLUE, true),
+                curve(&thinnest, 1e6, "thinnest", palette::BLACK, false),
+                curve(&middle, 1e6, "in the middle", palette::BLUE, true),
             ],
             true,
             true,
