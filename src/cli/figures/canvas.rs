@@ -138,7 +138,9 @@ pub fn to_svg((width, height): (u32, u32), draw: Draw<'_>) -> Result<String, Str
         area.present().map_err(|e| e.to_string())?;
     }
     let large = format!("width=\"{}\" height=\"{}\"", pixels.0, pixels.1);
-    Ok(text.replacen(&large, &format!("width=\"{width}\" height=\"{height}\""), 1))
+    let text = text.replacen(&large, &format!("width=\"{width}\" height=\"{height}\""), 1);
+    // The font that text was measured with, then what is nearly as narrow.
+    Ok(text.replace("font-family=\"sans-serif\"", "font-family=\"Noto Sans, Helvetica, Arial, sans-serif\""))
 }
 
 /// The figure as rows of RGB pixels, one a point.

@@ -257,18 +257,21 @@ fn number(canvas: &dyn Canvas, label: &str, (x, y): (f64, f64), style: &Letterin
 
 /// Names of the curves in one row above the panel, ending at its right edge.
 fn legend(canvas: &dyn Canvas, (right, y): (f64, f64), lines: &[Line]) -> Result<(), String> {
+    const SAMPLE: f64 = 26.0;
     let mut x = right;
     for line in lines.iter().rev().filter(|line| !line.label.is_empty()) {
-        let style = Lettering::plain(TICK_SIZE, HPos::Right, VPos::Center);
+        let style = Lettering::plain(TICK_SIZE, HPos::Left, VPos::Center);
+        // An SVG is shown with the fonts of the viewer, which may be wider.
+        x -= 1.12 * canvas.text_width(&line.label, &style);
         canvas.text(&line.label, (x, y), &style)?;
-        x -= canvas.text_width(&line.label, &style) + 7.0;
-        let sample = [(x - 26.0, y + 1.0), (x, y + 1.0)];
+        x -= SAMPLE + 7.0;
+        let sample = [(x, y + 1.0), (x + SAMPLE, y + 1.0)];
         if line.dashed {
             dashed(canvas, &sample, line.colour, LINE_WIDTH, (9.0, 6.0))?;
         } else {
             canvas.line(&sample, line.colour, LINE_WIDTH)?;
         }
-        x -= 26.0 + 18.0;
+        x -= 13.0;
     }
     Ok(())
 }
