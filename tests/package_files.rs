@@ -186,7 +186,8 @@ fn linked_crates() -> Vec<Crate> {
 fn license_texts(folder: &Path) -> Vec<String> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     let named = |path: &Path, part: &str| path.file_name().unwrap().to_string_lossy().to_uppercase().contains(part);
-    files.retain(|path| path.is_file() && ["LICENSE", "LICENCE", "COPYING"].iter().any(|part| named(path, part)));
+    files
+        .retain(|path| path.is_file() && ["LICENSE", "LICENCE", "COPYING", "OFL"].iter().any(|part| named(path, part)));
     if files.iter().any(|path| named(path, "MIT")) {
         files.retain(|path| named(path, "MIT"));
     }
