@@ -52,8 +52,10 @@ pub struct Simulation {
     position: Vec<f64>,
 }
 
-/// Most Newton iterations of one step of the continuation.
-const MAXIMUM_ITERATIONS: usize = 20;
+/// Most Newton iterations from a state nearby, which takes three to eight.
+const WARM_ITERATIONS: usize = 12;
+/// Most Newton iterations from rest, which takes ten to fifteen.
+const COLD_ITERATIONS: usize = 25;
 
 impl Simulation {
     /// Meshes the two bodies. Nothing is solved yet; the outputs are zero.
@@ -115,18 +117,31 @@ impl Simulation {
                 return Err(Error::value(name, value, "a finite number"));
             }
         }
+        let mut iterations = 0;
         let mut state = match &self.state {
             Some(state) => state.clone(),
             None => self.rest(&inputs),
         };
         let start = state.inputs;
-        let mut iterations = 0;
-        let result = continuation::advance(|_, to| {
+        let mut cold = self.state.is_some();
+        let result = continuation::advance(|to| {
             let target = between(&start, &inputs, to);
-            let (next, spent) = self.step(&state, &target);
+            let limit = if self.state.is_some() { WARM_ITERATIONS } else { COLD_ITERATIONS };
+            let (mut next, spent) = self.step(&state, &target, limit);
             iterations += spent;
+            if next.is_err() && std::mem::take(&mut cold) {
+                // Surfaces close more readily than they part: from rest even far targets are often reached at once.
+                let rest = self.rest(&inputs);
+                let (whole, spent) = self.step(&rest, &inputs, COLD_ITERATIONS);
+                iterations += spent;
+                if let Ok(solved) = whole {
+                    state = solved;
+                    return Ok(1.0);
+                }
+                next = whole;
+            }
             state = next?;
-            Ok(())
+            Ok(to)
         });
         if let Err(continuation::Stuck { fraction, reason }) = result {
             return Err(Error::NotConverged {
@@ -143,11 +158,8 @@ impl Simulation {
     /// Both bodies apart and at rest: the one state that is known without solving.
     fn rest(&mut self, inputs: &Inputs) -> State {
         const CLEARANCE: f64 = 10e-6;
-        let inputs = Inputs {
-            penetration_depth: inputs.penetration_depth.min(-CLEARANCE),
-            sliding_speed: 0.0,
-            slide_to_roll_ratio: inputs.slide_to_roll_ratio,
-        };
+        let inputs =
+            Inputs { penetration_depth: inputs.penetration_depth.min(-CLEARANCE), sliding_speed: 0.0, ..*inputs };
         let mirrored = self.may_mirror(&inputs);
         let system = self.system(mirrored);
         State {
@@ -171,11 +183,11 @@ impl Simulation {
     }
 
     /// One step of the continuation: the state at `target`, or why not; and the Newton iterations spent.
-    fn step(&mut self, from: &State, target: &Inputs) -> (Result<State, String>, usize) {
-        let predicted = predict(from, target);
+    fn step(&mut self, from: &State, target: &Inputs, limit: usize) -> (Result<State, String>, usize) {
         let mirrored = from.mirrored && self.may_mirror(target);
+        let predicted = self.predict(from, target);
         let guess = self.converted(predicted, mirrored);
-        let (result, mut spent) = self.solve(guess, target);
+        let (result, mut spent) = self.solve(guess, target, limit);
         let state = match result {
             Ok(state) => state,
             Err(reason) => return (Err(reason), spent),
@@ -186,7 +198,7 @@ impl Simulation {
         match (state.mirrored, friction) {
             (true, true) => {
                 let guess = self.converted(state, false);
-                let (result, more) = self.solve(guess, target);
+                let (result, more) = self.solve(guess, target, limit);
                 spent += more;
                 (result, spent)
             }
@@ -195,10 +207,26 @@ impl Simulation {
         }
     }
 
+    /// The state on the tangent at the target inputs.
+    fn predict(&mut self, from: &State, target: &Inputs) -> State {
+        let mut state = from.clone();
+        let changes = [
+            target.penetration_depth - from.inputs.penetration_depth,
+            target.sliding_speed - from.inputs.sliding_speed,
+            target.slide_to_roll_ratio - from.inputs.slide_to_roll_ratio,
+        ];
+        let mut update = vec![0.0; from.unknowns.len()];
+        for (sensitivity, change) in from.sensitivities.chunks_exact(from.unknowns.len()).zip(changes) {
+            update.iter_mut().zip(sensitivity).for_each(|(u, s)| *u -= s * change);
+        }
+        self.system(from.mirrored).apply(&mut state.unknowns, &update, &from.active);
+        state
+    }
+
     /// Newton's method from a guess.
-    fn solve(&mut self, guess: State, target: &Inputs) -> (Result<State, String>, usize) {
+    fn solve(&mut self, guess: State, target: &Inputs, limit: usize) -> (Result<State, String>, usize) {
         let settings =
-            newton::Settings { tolerance: self.parameters.tolerance, maximum_iterations: MAXIMUM_ITERATIONS };
+            newton::Settings { tolerance: self.parameters.tolerance, maximum_iterations: limit };
         let State { mirrored, mut unknowns, active, .. } = guess;
         let system = self.system(mirrored);
         let mut problem = Balance { system, inputs: target, rates: None, active, residual: Residual::default() };
@@ -354,22 +382,6 @@ fn between(from: &Inputs, to: &Inputs, fraction: f64) -> Inputs {
     }
 }
 
-/// The state on the tangent at the target inputs.
-fn predict(from: &State, target: &Inputs) -> State {
-    let mut state = from.clone();
-    let changes = [
-        target.penetration_depth - from.inputs.penetration_depth,
-        target.sliding_speed - from.inputs.sliding_speed,
-        target.slide_to_roll_ratio - from.inputs.slide_to_roll_ratio,
-    ];
-    for (sensitivity, change) in from.sensitivities.chunks_exact(from.unknowns.len()).zip(changes) {
-        if change != 0.0 {
-            state.unknowns.iter_mut().zip(sensitivity).for_each(|(z, s)| *z += s * change);
-        }
-    }
-    state
-}
-
 /// The system at fixed inputs, as Newton's method sees it.
 struct Balance<'a> {
     system: &'a mut System,
@@ -395,6 +407,10 @@ impl newton::Problem for Balance<'_> {
 
     fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String> {
         self.system.solve(right_hand_side).map_err(|e| e.to_string())
+    }
+
+    fn apply(&self, unknowns: &mut [f64], update: &[f64]) {
+        self.system.apply(unknowns, update, &self.active);
     }
 
     fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {

@@ -50,6 +50,7 @@ pub struct System {
     parameters: Parameters,
     contact_stiffness: f64,
     stress_scale: f64,
+    thickness: f64,
     linear: Multifrontal,
 }
 
@@ -61,6 +62,9 @@ pub struct Residual {
     /// Force with which the bodies press on each other at every station [N/m]; meaningful where the station is active.
     pub contact_forces: Vec<f64>,
 }
+
+/// A film thinner than this share of the layers' thickness (0.1 micron for 1 mm) may close within one update.
+const THIN_FILM: f64 = 1e-4;
 
 /// Speeds of the two surfaces.
 pub fn surface_speeds(inputs: &Inputs) -> [f64; 2] {
@@ -171,6 +175,7 @@ impl System {
             parameters: *parameters,
             contact_stiffness: modulus / thickness,
             stress_scale: modulus,
+            thickness,
             layout,
             linear,
         }
@@ -648,10 +653,28 @@ impl System {
         self.contact_stiffness
     }
 
+    /// Subtracts an update from the unknowns. Where the film is thicker than [`THIN_FILM`] the gap closes to no less than a tenth
+    /// and opens to no more than three times what it was: its conductance goes with the cube of it, so that a tangent says nothing
+    /// about larger changes. The tissue's share of the update, which is nearly linear, is made good by the next iteration.
+    pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
+        let thin = THIN_FILM * self.thickness;
+        let gaps: Vec<f64> = self.layout.gap.iter().map(|number| unknowns[*number as usize]).collect();
+        unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
+        for (i, (number, before)) in self.layout.gap.iter().zip(gaps).enumerate() {
+            let gap = &mut unknowns[*number as usize];
+            *gap = gap.min((3.0 * before).max(5.0 * thin));
+            if !active[i] && before > thin {
+                *gap = gap.max(0.1 * before);
+            }
+        }
+    }
+
     /// Size of an update relative to the fields: displacements and pressures to their largest values, gaps each to itself (and to
-    /// a tenth of a micron where the surfaces all but touch).
+    /// [`THIN_FILM`] where the surfaces all but touch).
     pub fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
-        let (mut displacement, mut pressure) = ((1e-9_f64, 0.0_f64), (1.0_f64, 0.0_f64));
+        // What is below a millionth of the layer's thickness or modulus is no displacement or pressure to speak of.
+        let mut displacement = (1e-6 * self.thickness, 0.0_f64);
+        let mut pressure = (1e-6 * self.stress_scale, 0.0_f64);
         let mut gap = 0.0_f64;
         for ((value, change), quantity) in unknowns.iter().zip(update).zip(&self.layout.quantities) {
             let (value, change) = (value.abs(), change.abs());
@@ -662,7 +685,7 @@ impl System {
             match quantity {
                 Quantity::Displacement => displacement = (displacement.0.max(value), displacement.1.max(change)),
                 Quantity::Pressure => pressure = (pressure.0.max(value), pressure.1.max(change)),
-                Quantity::Gap => gap = gap.max(change / (value + 1e-7)),
+                Quantity::Gap => gap = gap.max(change / (value + THIN_FILM * self.thickness)),
             }
         }
         (displacement.1 / displacement.0).max(pressure.1 / pressure.0).max(gap)

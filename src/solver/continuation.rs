@@ -12,18 +12,19 @@ pub struct Stuck<E> {
     pub reason: E,
 }
 
-/// Goes from 0 to 1. `attempt(from, to)` tries one step and either moves its caller's state or leaves it alone and says why.
+/// Goes from 0 to 1. `attempt(to)` tries one step: it moves its caller's state and says where to, which may be further than asked,
+/// or leaves it alone and says why.
 ///
 /// # Errors
 /// [`Stuck`] where even the shortest step fails.
-pub fn advance<E>(mut attempt: impl FnMut(f64, f64) -> Result<(), E>) -> Result<(), Stuck<E>> {
+pub fn advance<E>(mut attempt: impl FnMut(f64) -> Result<f64, E>) -> Result<(), Stuck<E>> {
     let (mut done, mut step) = (0.0, 1.0_f64);
     while done < 1.0 {
         // The last step ends on 1 exactly.
         let target = if done + step >= 1.0 - 1e-12 { 1.0 } else { done + step };
-        match attempt(done, target) {
-            Ok(()) => {
-                done = target;
+        match attempt(target) {
+            Ok(reached) => {
+                done = reached;
                 step *= 2.0;
             }
             Err(reason) if step <= SHORTEST => return Err(Stuck { fraction: done, reason }),
@@ -40,14 +41,15 @@ mod tests {
 
     #[test]
     fn halves_on_failure_and_doubles_on_success() {
-        let mut steps = Vec::new();
-        let result = advance(|from, to| {
+        let (mut steps, mut from) = (Vec::new(), 0.0);
+        let result = advance(|to| {
             // Steps longer than 0.3 fail.
             if to - from > 0.3 {
                 return Err("too long");
             }
             steps.push(to - from);
-            Ok(())
+            from = to;
+            Ok(to)
         });
         assert_eq!(result, Ok(()));
         assert!((steps.iter().sum::<f64>() - 1.0).abs() < 1e-12);
@@ -56,7 +58,7 @@ mod tests {
 
     #[test]
     fn says_how_far_it_came() {
-        let result = advance(|_, to| if to > 0.6 { Err("wall") } else { Ok(()) });
+        let result = advance(|to| if to > 0.6 { Err("wall") } else { Ok(to) });
         let stuck = result.unwrap_err();
         assert_eq!(stuck.reason, "wall");
         assert!(stuck.fraction > 0.598 && stuck.fraction <= 0.6);

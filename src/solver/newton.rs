@@ -20,6 +20,11 @@ pub trait Problem {
     /// A reason, such as an answer that is not finite.
     fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String>;
 
+    /// Subtracts an update from the unknowns, within the limits that the problem knows to be wise.
+    fn apply(&self, unknowns: &mut [f64], update: &[f64]) {
+        unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
+    }
+
     /// Size of an update relative to the unknowns.
     fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64;
 }
@@ -44,8 +49,8 @@ pub struct Failure {
 
 /// Solves in place; returns the number of iterations. `residual` ends as the residual at the solution.
 ///
-/// The method stops when the error that the next update would remove, estimated from the contraction of the updates, is below
-/// the tolerance and the discrete state is that of the solution.
+/// The method stops when the next update, estimated from the contraction of the last two, would be below the tolerance and the
+/// discrete state is that of the solution.
 ///
 /// # Errors
 /// [`Failure`] where it does not get there; the unknowns are then somewhere on the way.
@@ -68,11 +73,9 @@ pub fn solve(
         if !size.is_finite() {
             return Err(fail("the update is not finite".into()));
         }
-        unknowns.iter_mut().zip(&update).for_each(|(z, d)| *z -= d);
-        let changed = shorten(problem, unknowns, &update, residual).map_err(fail)?;
-        // Quadratic convergence squares the contraction from one update to the next.
+        let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
         let contraction = if previous.is_finite() { (size / previous).min(1.0) } else { 1.0 };
-        converged = size * contraction * contraction < settings.tolerance;
+        converged = size * contraction < settings.tolerance;
         if converged && !changed {
             return Ok(iteration);
         }
@@ -82,20 +85,23 @@ pub fn solve(
     Err(fail(format!("{reason} in {} iterations", settings.maximum_iterations), settings.maximum_iterations))
 }
 
-/// Residual after an update, which is shortened where there is no residual.
-fn shorten(
+/// Applies an update, shortened where there is no residual at its end.
+fn advance(
     problem: &mut impl Problem,
     unknowns: &mut [f64],
-    update: &[f64],
+    update: &mut [f64],
     residual: &mut Vec<f64>,
 ) -> Result<bool, String> {
+    let before = unknowns.to_vec();
     let mut length = 1.0;
     loop {
+        problem.apply(unknowns, update);
         match problem.residual(unknowns, residual) {
             Err(reason) if length < 0.1 => return Err(reason),
             Err(_) => {
                 length *= 0.5;
-                unknowns.iter_mut().zip(update).for_each(|(z, d)| *z += length * d);
+                update.iter_mut().for_each(|d| *d *= 0.5);
+                unknowns.copy_from_slice(&before);
             }
             changed => return changed,
         }
