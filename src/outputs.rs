@@ -1,5 +1,15 @@
 //! What a solved state is asked for: loads, friction, film, stresses, and profiles along the interface.
 
+use num_dual::Dual64;
+
+use crate::equations::system::System;
+use crate::equations::tissue::Tissue;
+use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, POINTS, quadratic, quadratic_derivative};
+use crate::fem::mesh::graded;
+use crate::laws::contact::mobilised_friction;
+use crate::parameters::{Inputs, Parameters};
+use crate::solver::linear::FIXED;
+
 /// Number of fixed stations of the profiles.
 pub const STATIONS: usize = 101;
 
@@ -37,55 +47,369 @@ impl Regime {
 /// Lengths in m, pressures in Pa (gauge), loads per unit depth in N/m, forces (loads times the width) in N. Every number is
 /// finite in every state.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Outputs {
+pub struct Outputs<T = f64> {
     /// Load per unit depth, L = L_f + L_s [N/m].
-    pub load: f64,
+    pub load: T,
     /// Part carried by fluid pressure, L_f (equation 11) [N/m].
-    pub fluid_load: f64,
+    pub fluid_load: T,
     /// Part carried by solid contact, L_s (equation 12) [N/m].
-    pub solid_load: f64,
+    pub solid_load: T,
     /// Load times width [N].
-    pub normal_force: f64,
+    pub normal_force: T,
     /// Drag on the upper body, positive along -x, times width (T_1 of equation 13) [N].
-    pub upper_friction_force: f64,
+    pub upper_friction_force: T,
     /// Traction on the lower body, positive along +x, times width (T_2 of equation 13) [N].
-    pub lower_friction_force: f64,
+    pub lower_friction_force: T,
     /// mu = |T_1| / L (equation 13) [1].
-    pub friction_coefficient: f64,
+    pub friction_coefficient: T,
     /// mu_f = |T_f1| / L_f [1].
-    pub fluid_friction_coefficient: f64,
+    pub fluid_friction_coefficient: T,
     /// L_f / L [1].
-    pub fluid_load_support: f64,
+    pub fluid_load_support: T,
     /// Least distance of the deformed surfaces [m].
-    pub minimum_film_thickness: f64,
+    pub minimum_film_thickness: T,
     /// Where it is [m].
-    pub minimum_film_position: f64,
+    pub minimum_film_position: T,
     /// Distance of the deformed surfaces at x = 0 [m].
-    pub central_film_thickness: f64,
+    pub central_film_thickness: T,
     /// Length over which the solids touch, b (equation 8) [m].
-    pub contact_length: f64,
+    pub contact_length: T,
     /// Largest fluid pressure on the interface [Pa].
-    pub maximum_fluid_pressure: f64,
+    pub maximum_fluid_pressure: T,
     /// Smallest fluid pressure on the interface [Pa].
-    pub minimum_fluid_pressure: f64,
+    pub minimum_fluid_pressure: T,
     /// Largest contact pressure [Pa].
-    pub maximum_contact_pressure: f64,
+    pub maximum_contact_pressure: T,
     /// Largest von Mises stress of the tissue (effective Cauchy stress, plane strain) [Pa].
-    pub maximum_von_mises_stress: f64,
+    pub maximum_von_mises_stress: T,
     /// eta U / L [1].
-    pub sommerfeld_number: f64,
+    pub sommerfeld_number: T,
     /// dL/dd times width [N/m].
-    pub contact_stiffness: f64,
+    pub contact_stiffness: T,
     /// Fluid that leaves the bodies into the film, integral of max(V, 0), per unit depth [m^2/s].
-    pub fluid_exudation: f64,
+    pub fluid_exudation: T,
     /// Lubrication regime.
     pub lubrication_regime: Regime,
     /// Newton iterations of the last solution, summed over its sub-steps.
     pub newton_iterations: i32,
     /// Film thickness at the fixed stations [m]; [`STATIONS`] values.
-    pub film_thickness: Vec<f64>,
+    pub film_thickness: Vec<T>,
     /// Fluid pressure at the fixed stations [Pa].
-    pub fluid_pressure: Vec<f64>,
+    pub fluid_pressure: Vec<T>,
     /// Contact pressure at the fixed stations [Pa].
-    pub contact_pressure: Vec<f64>,
+    pub contact_pressure: Vec<T>,
+}
+
+impl<T: Copy> Outputs<T> {
+    /// The same fields, each number replaced by `f` of it.
+    fn map<S>(&self, f: impl Fn(T) -> S) -> Outputs<S> {
+        let all = |values: &[T]| values.iter().map(|v| f(*v)).collect();
+        Outputs {
+            load: f(self.load),
+            fluid_load: f(self.fluid_load),
+            solid_load: f(self.solid_load),
+            normal_force: f(self.normal_force),
+            upper_friction_force: f(self.upper_friction_force),
+            lower_friction_force: f(self.lower_friction_force),
+            friction_coefficient: f(self.friction_coefficient),
+            fluid_friction_coefficient: f(self.fluid_friction_coefficient),
+            fluid_load_support: f(self.fluid_load_support),
+            minimum_film_thickness: f(self.minimum_film_thickness),
+            minimum_film_position: f(self.minimum_film_position),
+            central_film_thickness: f(self.central_film_thickness),
+            contact_length: f(self.contact_length),
+            maximum_fluid_pressure: f(self.maximum_fluid_pressure),
+            minimum_fluid_pressure: f(self.minimum_fluid_pressure),
+            maximum_contact_pressure: f(self.maximum_contact_pressure),
+            maximum_von_mises_stress: f(self.maximum_von_mises_stress),
+            sommerfeld_number: f(self.sommerfeld_number),
+            contact_stiffness: f(self.contact_stiffness),
+            fluid_exudation: f(self.fluid_exudation),
+            lubrication_regime: self.lubrication_regime,
+            newton_iterations: self.newton_iterations,
+            film_thickness: all(&self.film_thickness),
+            fluid_pressure: all(&self.fluid_pressure),
+            contact_pressure: all(&self.contact_pressure),
+        }
+    }
+}
+
+/// Strength of the grading of the profile stations towards x = 0; a constant, so that the stations do not move with the mesh.
+const STATION_GRADING: f64 = 3.0;
+
+/// Ratios have their denominators kept above this, so that they stay finite without load: 1e-9 N/m is a millionth of the
+/// smallest load of interest.
+const SMALLEST_LOAD: f64 = 1e-9;
+
+/// A converged state of a [`System`].
+#[derive(Debug, Clone, Copy)]
+pub struct Solved<'a> {
+    /// The equations.
+    pub system: &'a System,
+    /// The case.
+    pub parameters: &'a Parameters,
+    /// The inputs.
+    pub inputs: &'a Inputs,
+    /// The unknowns.
+    pub unknowns: &'a [f64],
+    /// Stations in contact.
+    pub active: &'a [bool],
+    /// Force of contact at each station [N/m].
+    pub contact_forces: &'a [f64],
+    /// Derivatives of the unknowns by the three inputs, one after the other.
+    pub sensitivities: &'a [f64],
+    /// Derivatives of the contact forces by the three inputs.
+    pub contact_force_sensitivities: &'a [Vec<f64>],
+}
+
+/// The fixed stations of the profiles for an interface of this half width [m].
+pub fn profile_stations(half_width: f64) -> Vec<f64> {
+    let last = (STATIONS - 1) as f64;
+    (0..STATIONS).map(|i| half_width * graded(2.0 * i as f64 / last - 1.0, STATION_GRADING)).collect()
+}
+
+impl Solved<'_> {
+    /// Results, and their derivatives by penetration depth, sliding speed and slide-to-roll ratio.
+    ///
+    /// Derivatives are those of the discrete solution: the unknowns change along the tangent of the converged state, and the
+    /// formulas below are differentiated by dual numbers.
+    pub fn outputs(&self) -> (Outputs, [Outputs; 3]) {
+        let von_mises = self.von_mises();
+        let along = [0, 1, 2].map(|input| self.along(input, von_mises));
+        let value = along[0].map(|d| d.re);
+        let stiffness = along[0].load.eps * self.parameters.width;
+        let derivatives = along.map(|o| o.map(|d| d.eps));
+        (Outputs { contact_stiffness: stiffness, ..value }, derivatives)
+    }
+
+    /// Results with their derivative by one input.
+    fn along(&self, input: usize, von_mises: [f64; 4]) -> Outputs<Dual64> {
+        let p = self.parameters;
+        let system = self.system;
+        let n = system.unknowns();
+        let change = &self.sensitivities[input * n..(input + 1) * n];
+        let unit = |k: usize, value: f64| Dual64::new(value, if k == input { 1.0 } else { 0.0 });
+        let depth = unit(0, self.inputs.penetration_depth);
+        let speed = unit(1, self.inputs.sliding_speed);
+        let ratio = unit(2, self.inputs.slide_to_roll_ratio);
+        let speeds = [speed * (ratio + 1.0) * 0.5, speed * (-ratio + 1.0) * 0.5];
+        let difference = speeds[0] - speeds[1];
+
+        let dual = |number: u32| match number {
+            FIXED => Dual64::from(0.0),
+            _ => Dual64::new(self.unknowns[number as usize], change[number as usize]),
+        };
+        let gap: Vec<_> = system.layout.gap.iter().map(|number| dual(*number)).collect();
+        let levels = system.layers[0].mesh.levels();
+        let mut pressure: Vec<_> =
+            system.layout.pressure[0].iter().step_by(levels).map(|number| dual(*number)).collect();
+        if p.pressure_order == 1 {
+            for i in (1..pressure.len()).step_by(2) {
+                pressure[i] = (pressure[i - 1] + pressure[i + 1]) * 0.5;
+            }
+        }
+        let force = |i: usize| match self.active[i] {
+            true => Dual64::new(self.contact_forces[i], self.contact_force_sensitivities[input][i]),
+            false => Dual64::from(0.0),
+        };
+        let contact_pressure: Vec<_> = system.weights.iter().enumerate().map(|(i, w)| force(i) / *w).collect();
+        let solid_load: Dual64 = (0..gap.len()).map(force).sum();
+        let fluid_load: Dual64 = pressure.iter().zip(&system.weights).map(|(p, w)| *p * *w).sum();
+        let load = fluid_load + solid_load;
+
+        // Friction: equations 13-15.
+        let (mut rolling, mut sliding) = (Dual64::from(0.0), Dual64::from(0.0));
+        for column in 0..gap.len() / 2 {
+            let local = |f: &[Dual64], shape: [f64; 3]| (0..3).map(|a| f[2 * column + a] * shape[a]).sum::<Dual64>();
+            let half = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
+            for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
+                let h = local(&gap, quadratic(s));
+                let h = if h.re > 0.0 { h } else { Dual64::from(0.0) };
+                rolling += h * local(&pressure, quadratic_derivative(s)) * (0.5 * w);
+                sliding += difference * (p.viscosity * half * w) / (h + p.shear_film_offset);
+            }
+        }
+        let (m, slopes) =
+            mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);
+        let mobilised = Dual64::new(m, slopes[0] * speeds[0].eps + slopes[1] * speeds[1].eps);
+        let boundary = solid_load * mobilised * p.boundary_friction_coefficient;
+        let friction = [rolling + sliding + boundary, -rolling + sliding + boundary];
+
+        let touching = self.active.contains(&true);
+        let (least, position) = extremum(&gap, &system.stations, -1.0);
+        let (least, position) = match self.active.iter().position(|a| *a) {
+            Some(first) => (Dual64::from(0.0), Dual64::from(system.stations[first])),
+            None => (least, position),
+        };
+        let mut contact_length = Dual64::from(0.0);
+        for i in 0..gap.len() - 1 {
+            let step = system.stations[i + 1] - system.stations[i];
+            // Between a node that presses and one that gapes the edge is where a line through both is zero.
+            let edge = |inside: usize, outside: usize| {
+                let opening = gap[outside] * system.contact_stiffness();
+                contact_pressure[inside] / (contact_pressure[inside] + opening) * step
+            };
+            contact_length += match (self.active[i], self.active[i + 1]) {
+                (true, true) => Dual64::from(step),
+                (true, false) => edge(i, i + 1),
+                (false, true) => edge(i + 1, i),
+                (false, false) => Dual64::from(0.0),
+            };
+        }
+
+        let outflow = system.film_outflow(self.unknowns, self.inputs, None, change, speed.eps);
+        let exudation =
+            outflow[1..outflow.len() - 1].iter().filter(|v| v[0] > 0.0).map(|v| Dual64::new(v[0], v[1])).sum();
+
+        let regime = match (touching, depth.re > 0.0) {
+            (true, _) if fluid_load.re >= 10.0 * solid_load.re => Regime::BoundaryContact,
+            (true, _) => Regime::HighFriction,
+            (false, true) => Regime::LowFriction,
+            (false, false) => Regime::ThinFilmFlow,
+        };
+        let profile = |values: &[Dual64]| self.profile(values);
+        Outputs {
+            load,
+            fluid_load,
+            solid_load,
+            normal_force: load * p.width,
+            upper_friction_force: friction[0] * p.width,
+            lower_friction_force: friction[1] * p.width,
+            friction_coefficient: ratio_of(magnitude(friction[0]), load),
+            fluid_friction_coefficient: ratio_of(magnitude(rolling + sliding), fluid_load),
+            fluid_load_support: ratio_of(fluid_load, load),
+            minimum_film_thickness: least,
+            minimum_film_position: position,
+            central_film_thickness: gap[gap.len() / 2],
+            contact_length,
+            maximum_fluid_pressure: extremum(&pressure, &system.stations, 1.0).0,
+            minimum_fluid_pressure: extremum(&pressure, &system.stations, -1.0).0,
+            maximum_contact_pressure: contact_pressure
+                .iter()
+                .copied()
+                .fold(Dual64::from(0.0), |a, b| if b.re > a.re { b } else { a }),
+            maximum_von_mises_stress: Dual64::new(von_mises[0], von_mises[1 + input]),
+            sommerfeld_number: ratio_of(speed * p.viscosity, load),
+            contact_stiffness: Dual64::from(0.0),
+            fluid_exudation: exudation,
+            lubrication_regime: regime,
+            newton_iterations: 0,
+            film_thickness: profile(&gap),
+            fluid_pressure: profile(&pressure),
+            contact_pressure: self.linear_profile(&contact_pressure),
+        }
+    }
+
+    /// Values of a quadratic field of the interface at the fixed stations.
+    fn profile(&self, values: &[Dual64]) -> Vec<Dual64> {
+        self.at_profile_stations(|first, s| {
+            quadratic(s).iter().enumerate().map(|(a, shape)| values[first + a] * *shape).sum()
+        })
+    }
+
+    /// Likewise of nodal values that are joined by straight lines.
+    fn linear_profile(&self, values: &[Dual64]) -> Vec<Dual64> {
+        self.at_profile_stations(|first, s| {
+            let (i, s) = if s < 0.0 { (first, s + 1.0) } else { (first + 1, s) };
+            values[i] * (1.0 - s) + values[i + 1] * s
+        })
+    }
+
+    /// `f(first node of the element, local coordinate)` at each of the fixed stations.
+    fn at_profile_stations(&self, f: impl Fn(usize, f64) -> Dual64) -> Vec<Dual64> {
+        let x = &self.system.stations;
+        let last = x.len() - 1;
+        profile_stations(x[last])
+            .into_iter()
+            .map(|place| {
+                let first = 2 * (x.partition_point(|x| *x <= place).saturating_sub(1).min(last - 2) / 2);
+                f(first, (2.0 * (place - x[first]) / (x[first + 2] - x[first]) - 1.0).clamp(-1.0, 1.0))
+            })
+            .collect()
+    }
+
+    /// Largest von Mises stress at the quadrature points, and its derivatives by the three inputs.
+    fn von_mises(&self) -> [f64; 4] {
+        let system = self.system;
+        let depth = self.inputs.penetration_depth;
+        let mut largest = (0.0, 0, 0, 0);
+        for (body, layer) in system.layers.iter().enumerate() {
+            for element in 0..layer.mesh.elements() {
+                let at = system.local(body, element, self.unknowns, depth);
+                for point in 0..POINTS {
+                    let stress = layer.tissue.solid.von_mises(&Tissue::strain(&layer.mesh, element, point, &at));
+                    if stress > largest.0 {
+                        largest = (stress, body, element, point);
+                    }
+                }
+            }
+        }
+        let (stress, body, element, point) = largest;
+        let mesh = &system.layers[body].mesh;
+        let strain = Tissue::strain(mesh, element, point, &system.local(body, element, self.unknowns, depth));
+        let n = system.unknowns();
+        let mut result = [stress, 0.0, 0.0, 0.0];
+        for k in 0..3 {
+            let change = &self.sensitivities[k * n..(k + 1) * n];
+            let local = system.local_change(body, element, change, if k == 0 { 1.0 } else { 0.0 });
+            let direction = Tissue::strain(mesh, element, point, &local).gradient;
+            result[1 + k] = system.layers[body].tissue.solid.von_mises_derivative(&strain, &direction);
+        }
+        result
+    }
+}
+
+fn magnitude(a: Dual64) -> Dual64 {
+    if a.re < 0.0 { -a } else { a }
+}
+
+/// A ratio of loads that stays finite without load.
+fn ratio_of(a: Dual64, b: Dual64) -> Dual64 {
+    a / if b.re > SMALLEST_LOAD { b } else { Dual64::from(SMALLEST_LOAD) }
+}
+
+/// Largest (`sign` = 1) or smallest (-1) value of a quadratic field of the interface, and where it is.
+fn extremum(values: &[Dual64], stations: &[f64], sign: f64) -> (Dual64, Dual64) {
+    let mut best = (values[0], Dual64::from(stations[0]));
+    for first in (0..values.len() - 1).step_by(2) {
+        let [a, b, c] = [values[first], values[first + 1], values[first + 2]];
+        let half = 0.5 * (stations[first + 2] - stations[first]);
+        let (slope, curvature) = ((c - a) * 0.5, (a + c) * 0.5 - b);
+        let mut try_at = |value: Dual64, place: Dual64| {
+            if sign * value.re > sign * best.0.re {
+                best = (value, place);
+            }
+        };
+        try_at(b, Dual64::from(stations[first + 1]));
+        try_at(c, Dual64::from(stations[first + 2]));
+        // b + slope s + curvature s^2 has its vertex inside the element.
+        if sign * curvature.re < 0.0 && slope.re.abs() < 2.0 * curvature.re.abs() {
+            let s = -slope / (curvature * 2.0);
+            try_at(b + slope * s * 0.5, s * half + stations[first + 1]);
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_extremum_of_a_parabola_is_found_between_the_nodes() {
+        let stations: Vec<f64> = (0..7).map(f64::from).collect();
+        let values: Vec<_> = stations.iter().map(|x| Dual64::from((x - 2.6).powi(2) + 1.0)).collect();
+        let (value, place) = extremum(&values, &stations, -1.0);
+        assert!((value.re - 1.0).abs() < 1e-12 && (place.re - 2.6).abs() < 1e-12);
+        let (value, place) = extremum(&values, &stations, 1.0);
+        assert_eq!((value.re, place.re), (values[6].re, 6.0));
+    }
+
+    #[test]
+    fn stations_are_symmetric_and_ascend() {
+        let x = profile_stations(8e-3);
+        assert_eq!(x.len(), STATIONS);
+        assert!(x.windows(2).all(|w| w[0] < w[1]));
+        assert_eq!((x[0], x[50], x[100]), (-8e-3, 0.0, 8e-3));
+    }
 }

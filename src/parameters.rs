@@ -4,16 +4,8 @@
 //! all read it, so a parameter has the same name everywhere. Values are SI.
 
 use crate::error::Error;
+pub use crate::laws::Formulation;
 use crate::units::Unit;
-
-/// Which reading of the balance laws is solved (see the crate documentation).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Formulation {
-    /// The equations of de Boer et al. (2020) as printed.
-    Paper,
-    /// Total-stress poroelasticity at finite strain with regularised Coulomb friction.
-    Consistent,
-}
 
 /// One cartilage layer on its bone.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -126,6 +118,16 @@ impl Default for Inputs {
     /// Ten micron of clearance at the paper's speed.
     fn default() -> Self {
         Self { penetration_depth: -10e-6, sliding_speed: 0.2, slide_to_roll_ratio: 0.0 }
+    }
+}
+
+impl std::fmt::Display for Inputs {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "penetration_depth = {:e} m, sliding_speed = {} m/s, slide_to_roll_ratio = {}",
+            self.penetration_depth, self.sliding_speed, self.slide_to_roll_ratio
+        )
     }
 }
 

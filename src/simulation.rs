@@ -1,8 +1,13 @@
 //! One contact, driven by its inputs: the object that the command line, the FMU and Rust programs use.
 
+use serde::{Deserialize, Serialize};
+
+use crate::equations::system::{Rates, Residual, System, boundary_friction, half_width};
 use crate::error::Error;
-use crate::outputs::{Outputs, STATIONS};
+use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
 use crate::parameters::{Inputs, Parameters};
+use crate::solver::linear::FIXED;
+use crate::solver::{continuation, newton};
 
 /// The continuous inputs, in the order of the derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,40 +21,75 @@ pub enum Input {
 }
 
 /// The whole state of a [`Simulation`]: going on from it gives the same bits as going on from where it was taken.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Snapshot {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot(Option<State>);
+
+/// A solution.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct State {
     inputs: Inputs,
+    /// Whether the lower body is the mirror image of the upper one.
+    mirrored: bool,
+    unknowns: Vec<f64>,
+    active: Vec<bool>,
+    /// Derivatives of the unknowns by the three inputs; empty at rest, before anything was solved.
+    sensitivities: Vec<f64>,
+    iterations: i32,
 }
 
 /// Two cartilage layers with a film between them.
+#[derive(Debug)]
 pub struct Simulation {
     parameters: Parameters,
+    /// The equations of one body and its mirror image, where the two bodies are equal.
+    mirrored: Option<System>,
+    /// The equations of two bodies; made when they are first needed.
+    full: Option<System>,
+    state: Option<State>,
     inputs: Inputs,
     outputs: Outputs,
     derivatives: [Outputs; 3],
     position: Vec<f64>,
 }
 
+/// Most Newton iterations from a state nearby, which takes three to eight.
+const WARM_ITERATIONS: usize = 12;
+/// Most Newton iterations from rest, which takes ten to fifteen.
+const COLD_ITERATIONS: usize = 25;
+
 impl Simulation {
-    /// Meshes the two bodies. Nothing is solved yet.
+    /// Meshes the two bodies. Nothing is solved yet; the outputs are zero.
     ///
     /// # Errors
     /// [`Error::Value`] where a parameter is out of range.
     pub fn new(parameters: &Parameters) -> Result<Self, Error> {
         parameters.validate()?;
-        let zeros = || Outputs {
+        let mut simulation = Self::unsolved(parameters);
+        match parameters.upper == parameters.lower {
+            true => simulation.mirrored = Some(System::new(parameters, true)),
+            false => simulation.full = Some(System::new(parameters, false)),
+        }
+        Ok(simulation)
+    }
+
+    /// Without equations yet, and with outputs of zero.
+    fn unsolved(parameters: &Parameters) -> Self {
+        let nothing = Outputs {
             film_thickness: vec![0.0; STATIONS],
             fluid_pressure: vec![0.0; STATIONS],
             contact_pressure: vec![0.0; STATIONS],
             ..Outputs::default()
         };
-        Ok(Self {
+        Self {
             parameters: *parameters,
+            mirrored: None,
+            full: None,
+            state: None,
             inputs: Inputs::default(),
-            outputs: zeros(),
-            derivatives: [zeros(), zeros(), zeros()],
-            position: (0..STATIONS).map(|i| (i as f64 - 50.0) * 1e-4).collect(),
-        })
+            derivatives: [nothing.clone(), nothing.clone(), nothing.clone()],
+            outputs: nothing,
+            position: profile_stations(half_width(parameters)),
+        }
     }
 
     /// The parameters it was made with.
@@ -65,21 +105,216 @@ impl Simulation {
     /// Finds the steady state for these inputs, starting from the present state.
     ///
     /// # Errors
-    /// [`Error::Value`] for inputs out of range, [`Error::NotConverged`] where no solution was found; either way the state is
-    /// what it was before.
+    /// [`Error::Value`] for inputs that are not finite, [`Error::NotConverged`] where no solution was found; either way the
+    /// state is what it was before.
     pub fn solve_steady(&mut self, inputs: Inputs) -> Result<(), Error> {
-        if inputs.penetration_depth > self.parameters.upper.thickness + self.parameters.lower.thickness {
+        for (name, value) in [
+            ("penetration_depth", inputs.penetration_depth),
+            ("sliding_speed", inputs.sliding_speed),
+            ("slide_to_roll_ratio", inputs.slide_to_roll_ratio),
+        ] {
+            if !value.is_finite() {
+                return Err(Error::value(name, value, "a finite number"));
+            }
+        }
+        let mut iterations = 0;
+        let mut state = match &self.state {
+            Some(state) => state.clone(),
+            None => self.rest(&inputs),
+        };
+        let start = state.inputs;
+        let mut cold = self.state.is_some();
+        let result = continuation::advance(|to| {
+            let target = between(&start, &inputs, to);
+            let limit = if self.state.is_some() { WARM_ITERATIONS } else { COLD_ITERATIONS };
+            let (mut next, spent) = self.step(&state, &target, limit);
+            iterations += spent;
+            if next.is_err() && std::mem::take(&mut cold) {
+                // Surfaces close more readily than they part: from rest even far targets are often reached at once.
+                let rest = self.rest(&inputs);
+                let (whole, spent) = self.step(&rest, &inputs, COLD_ITERATIONS);
+                iterations += spent;
+                if let Ok(solved) = whole {
+                    state = solved;
+                    return Ok(1.0);
+                }
+                next = whole;
+            }
+            state = next?;
+            Ok(to)
+        });
+        if let Err(continuation::Stuck { fraction, reason }) = result {
             return Err(Error::NotConverged {
-                requested: format!("{inputs:?}"),
-                reached: format!("{:?}", self.inputs),
-                fraction: 0.0,
-                reason: "the bones would touch".into(),
+                requested: inputs.to_string(),
+                reached: state.inputs.to_string(),
+                fraction,
+                reason,
             });
         }
-        self.inputs = inputs;
-        self.outputs.load = 1e6 * inputs.penetration_depth + inputs.sliding_speed;
-        self.derivatives[0].load = 1e6;
-        self.derivatives[1].load = 1.0;
+        state.iterations = iterations as i32;
+        self.accept(state)
+    }
+
+    /// Both bodies apart and at rest: the one state that is known without solving.
+    fn rest(&mut self, inputs: &Inputs) -> State {
+        const CLEARANCE: f64 = 10e-6;
+        let inputs =
+            Inputs { penetration_depth: inputs.penetration_depth.min(-CLEARANCE), sliding_speed: 0.0, ..*inputs };
+        let mirrored = self.may_mirror(&inputs);
+        let system = self.system(mirrored);
+        State {
+            inputs,
+            mirrored,
+            unknowns: system.rest(inputs.penetration_depth),
+            active: vec![false; system.stations.len()],
+            sensitivities: Vec::new(),
+            iterations: 0,
+        }
+    }
+
+    /// Whether the bodies may be mirror images of each other: equal, and moving alike.
+    fn may_mirror(&self, inputs: &Inputs) -> bool {
+        self.mirrored.is_some() && inputs.slide_to_roll_ratio == 0.0
+    }
+
+    fn system(&mut self, mirrored: bool) -> &mut System {
+        let slot = if mirrored { &mut self.mirrored } else { &mut self.full };
+        slot.get_or_insert_with(|| System::new(&self.parameters, mirrored))
+    }
+
+    /// One step of the continuation: the state at `target`, or why not; and the Newton iterations spent.
+    fn step(&mut self, from: &State, target: &Inputs, limit: usize) -> (Result<State, String>, usize) {
+        let mirrored = from.mirrored && self.may_mirror(target);
+        let predicted = self.predict(from, target);
+        let guess = self.converted(predicted, mirrored);
+        let (result, mut spent) = self.solve(guess, target, limit);
+        let state = match result {
+            Ok(state) => state,
+            Err(reason) => return (Err(reason), spent),
+        };
+        let touching = state.active.contains(&true);
+        // Boundary friction pulls the two bodies apart sideways; without it they are mirror images again.
+        let friction = touching && boundary_friction(&self.parameters, target) != 0.0;
+        match (state.mirrored, friction) {
+            (true, true) => {
+                let guess = self.converted(state, false);
+                let (result, more) = self.solve(guess, target, limit);
+                spent += more;
+                (result, spent)
+            }
+            (false, false) if self.may_mirror(target) => (Ok(self.converted(state, true)), spent),
+            _ => (Ok(state), spent),
+        }
+    }
+
+    /// The state on the tangent at the target inputs.
+    fn predict(&mut self, from: &State, target: &Inputs) -> State {
+        let mut state = from.clone();
+        let changes = [
+            target.penetration_depth - from.inputs.penetration_depth,
+            target.sliding_speed - from.inputs.sliding_speed,
+            target.slide_to_roll_ratio - from.inputs.slide_to_roll_ratio,
+        ];
+        let mut update = vec![0.0; from.unknowns.len()];
+        for (sensitivity, change) in from.sensitivities.chunks_exact(from.unknowns.len()).zip(changes) {
+            update.iter_mut().zip(sensitivity).for_each(|(u, s)| *u -= s * change);
+        }
+        self.system(from.mirrored).apply(&mut state.unknowns, &update, &from.active);
+        state
+    }
+
+    /// Newton's method from a guess.
+    fn solve(&mut self, guess: State, target: &Inputs, limit: usize) -> (Result<State, String>, usize) {
+        let settings = newton::Settings { tolerance: self.parameters.tolerance, maximum_iterations: limit };
+        let State { mirrored, mut unknowns, active, .. } = guess;
+        let system = self.system(mirrored);
+        let mut problem = Balance { system, inputs: target, rates: None, active, residual: Residual::default() };
+        match newton::solve(&mut problem, &mut unknowns, &mut Vec::new(), &settings) {
+            Err(failure) => (Err(failure.reason), failure.iterations),
+            Ok(iterations) => {
+                let Balance { system, active, residual, .. } = problem;
+                let sensitivities = system
+                    .sensitivities(&unknowns, &active, target, None, &residual.contact_forces)
+                    .map_err(|singular| singular.to_string());
+                let state = sensitivities.map(|sensitivities| State {
+                    inputs: *target,
+                    mirrored,
+                    unknowns,
+                    active,
+                    sensitivities,
+                    iterations: iterations as i32,
+                });
+                (state, iterations)
+            }
+        }
+    }
+
+    /// The same state in the unknowns of one body or of two.
+    fn converted(&mut self, state: State, mirrored: bool) -> State {
+        if state.mirrored == mirrored {
+            return state;
+        }
+        let (n_from, n_to) = (self.system(state.mirrored).unknowns(), self.system(mirrored).unknowns());
+        let (Some(one), Some(two)) = (&self.mirrored, &self.full) else { return state };
+        let convert = |values: &[f64]| {
+            let mut result = vec![0.0; n_to];
+            let mut copy = |in_one: u32, in_two: u32, sign: f64| {
+                let (from, to) = if mirrored { (in_two, in_one) } else { (in_one, in_two) };
+                if from != FIXED && to != FIXED {
+                    result[to as usize] = sign * values[from as usize];
+                }
+            };
+            for (a, b) in one.layout.gap.iter().zip(&two.layout.gap) {
+                copy(*a, *b, 1.0);
+            }
+            // The upper body last: it is the one that counts where two become one.
+            for (body, sign) in [(1, -1.0), (0, 1.0)] {
+                for node in 0..one.layout.pressure[0].len() {
+                    copy(one.layout.horizontal[0][node], two.layout.horizontal[body][node], 1.0);
+                    copy(one.layout.vertical[0][node], two.layout.vertical[body][node], sign);
+                    copy(one.layout.pressure[0][node], two.layout.pressure[body][node], 1.0);
+                }
+            }
+            result
+        };
+        State {
+            mirrored,
+            unknowns: convert(&state.unknowns),
+            sensitivities: state.sensitivities.chunks_exact(n_from).flat_map(convert).collect(),
+            ..state
+        }
+    }
+
+    /// Makes a converged state the present one.
+    fn accept(&mut self, state: State) -> Result<(), Error> {
+        let parameters = self.parameters;
+        let system = self.system(state.mirrored);
+        let mut active = state.active.clone();
+        let mut residual = Residual::default();
+        system
+            .residual(&state.unknowns, &mut active, &state.inputs, None, &mut residual)
+            .map_err(|inverted| Error::State(inverted.to_string()))?;
+        let contact_force_sensitivities = system.contact_force_sensitivities(
+            &state.unknowns,
+            &state.active,
+            &state.inputs,
+            None,
+            &state.sensitivities,
+        );
+        let solved = Solved {
+            system,
+            parameters: &parameters,
+            inputs: &state.inputs,
+            unknowns: &state.unknowns,
+            active: &state.active,
+            contact_forces: &residual.contact_forces,
+            sensitivities: &state.sensitivities,
+            contact_force_sensitivities: &contact_force_sensitivities,
+        };
+        (self.outputs, self.derivatives) = solved.outputs();
+        self.outputs.newton_iterations = state.iterations;
+        self.inputs = state.inputs;
+        self.state = Some(state);
         Ok(())
     }
 
@@ -99,9 +334,16 @@ impl Simulation {
         &self.position
     }
 
+    /// Number of unknowns of the present state's equations, or of those that would be solved first.
+    pub fn unknowns(&self) -> usize {
+        let mirrored = self.state.as_ref().map_or(self.mirrored.is_some(), |s| s.mirrored);
+        let system = if mirrored { &self.mirrored } else { &self.full };
+        system.as_ref().map_or(0, System::unknowns)
+    }
+
     /// A copy of the state.
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot { inputs: self.inputs }
+        Snapshot(self.state.clone())
     }
 
     /// Returns to a state taken from this simulation or from one with equal parameters.
@@ -109,6 +351,68 @@ impl Simulation {
     /// # Errors
     /// [`Error::State`] where the snapshot does not fit; the state is then unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
-        self.solve_steady(snapshot.inputs)
+        let Some(state) = &snapshot.0 else {
+            *self = Self { mirrored: self.mirrored.take(), full: self.full.take(), ..Self::unsolved(&self.parameters) };
+            return Ok(());
+        };
+        if state.mirrored && self.mirrored.is_none() {
+            return Err(Error::State("it is of two equal bodies, and these are not".into()));
+        }
+        let system = self.system(state.mirrored);
+        let expected = [system.unknowns(), system.stations.len(), 3 * system.unknowns()];
+        let given = [state.unknowns.len(), state.active.len(), state.sensitivities.len()];
+        if expected != given {
+            return Err(Error::State(format!("it has {} unknowns, this mesh {}", given[0], expected[0])));
+        }
+        self.accept(state.clone())
+    }
+}
+
+/// The inputs at a fraction of the way.
+fn between(from: &Inputs, to: &Inputs, fraction: f64) -> Inputs {
+    if fraction == 1.0 {
+        return *to;
+    }
+    let mix = |a: f64, b: f64| a + fraction * (b - a);
+    Inputs {
+        penetration_depth: mix(from.penetration_depth, to.penetration_depth),
+        sliding_speed: mix(from.sliding_speed, to.sliding_speed),
+        slide_to_roll_ratio: mix(from.slide_to_roll_ratio, to.slide_to_roll_ratio),
+    }
+}
+
+/// The system at fixed inputs, as Newton's method sees it.
+struct Balance<'a> {
+    system: &'a mut System,
+    inputs: &'a Inputs,
+    rates: Option<&'a Rates>,
+    active: Vec<bool>,
+    residual: Residual,
+}
+
+impl newton::Problem for Balance<'_> {
+    fn residual(&mut self, unknowns: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
+        let changed = self
+            .system
+            .residual(unknowns, &mut self.active, self.inputs, self.rates, &mut self.residual)
+            .map_err(|inverted| inverted.to_string())?;
+        residual.clone_from(&self.residual.values);
+        Ok(changed)
+    }
+
+    fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String> {
+        self.system.factorise(unknowns, &self.active, self.inputs, self.rates).map_err(|e| e.to_string())
+    }
+
+    fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String> {
+        self.system.solve(right_hand_side).map_err(|e| e.to_string())
+    }
+
+    fn apply(&self, unknowns: &mut [f64], update: &[f64]) {
+        self.system.apply(unknowns, update, &self.active);
+    }
+
+    fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
+        self.system.relative_size(unknowns, update)
     }
 }

@@ -31,7 +31,7 @@ pub enum Source {
     Parameter(&'static Parameter),
     /// A continuous result.
     Result(fn(&Outputs) -> f64),
-    /// A continuous result that has no derivative with respect to the inputs: it jumps, or is a derivative itself.
+    /// A continuous result whose derivative with respect to the inputs is not known: it is a derivative itself.
     Underivable(fn(&Outputs) -> f64),
     /// Where profile station `.0` is.
     Position(usize),
@@ -317,16 +317,16 @@ static RESULTS: [ResultRow; 22] = [
     ("fluid_friction_coefficient", Unit::One, 1e-2, Source::Result(|o| o.fluid_friction_coefficient), "Magnitude of the fluid's friction on the upper body over the fluid load"),
     ("fluid_load_support", Unit::One, 1.0, Source::Result(|o| o.fluid_load_support), "Fluid load over load"),
     ("minimum_film_thickness", Unit::Metre, 1e-6, Source::Result(|o| o.minimum_film_thickness), "Least distance of the deformed surfaces; 0 in contact"),
-    ("minimum_film_position", Unit::Metre, 1e-3, Source::Underivable(|o| o.minimum_film_position), "Where the film is thinnest, along x from the middle of the contact"),
+    ("minimum_film_position", Unit::Metre, 1e-3, Source::Result(|o| o.minimum_film_position), "Where the film is thinnest, along x from the middle of the contact"),
     ("central_film_thickness", Unit::Metre, 1e-6, Source::Result(|o| o.central_film_thickness), "Distance of the deformed surfaces in the middle of the contact"),
-    ("contact_length", Unit::Metre, 1e-3, Source::Underivable(|o| o.contact_length), "Length along x over which the solids touch"),
+    ("contact_length", Unit::Metre, 1e-3, Source::Result(|o| o.contact_length), "Length along x over which the solids touch"),
     ("maximum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_fluid_pressure), "Largest fluid pressure on the interface, above ambient"),
     ("minimum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.minimum_fluid_pressure), "Smallest fluid pressure on the interface, above ambient"),
     ("maximum_contact_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_contact_pressure), "Largest pressure of solid on solid"),
-    ("maximum_von_mises_stress", Unit::Pascal, 1e4, Source::Underivable(|o| o.maximum_von_mises_stress), "Largest von Mises stress of the tissue's solid part"),
+    ("maximum_von_mises_stress", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_von_mises_stress), "Largest von Mises stress of the tissue's solid part"),
     ("sommerfeld_number", Unit::One, 1e-7, Source::Result(|o| o.sommerfeld_number), "Viscosity times sliding speed over load per unit depth: abscissa of the Stribeck curve"),
     ("contact_stiffness", Unit::NewtonPerMetre, 1e8, Source::Underivable(|o| o.contact_stiffness), "Rate of change of the normal force with penetration depth"),
-    ("fluid_exudation", Unit::SquareMetrePerSecond, 1e-6, Source::Underivable(|o| o.fluid_exudation), "Fluid that leaves the tissue into the film, per unit depth"),
+    ("fluid_exudation", Unit::SquareMetrePerSecond, 1e-6, Source::Result(|o| o.fluid_exudation), "Fluid that leaves the tissue into the film, per unit depth"),
     ("lubrication_regime", Unit::One, 1.0, Source::Regime, "Lubrication regime"),
     ("newton_iterations", Unit::One, 1.0, Source::Iterations, "Newton iterations of the last solution, all its sub-steps together"),
 ];

@@ -38,9 +38,14 @@ fn code(text: &str) -> String {
     format!("<code>{}</code>", escape(text))
 }
 
+fn readable(value: f64) -> String {
+    let digits = (value * 1e6).round() / 1e6;
+    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) { digits.to_string() } else { format!("{value:e}") }
+}
+
 fn settable(wanted: fn(&Variable) -> bool) -> String {
     let start = |variable: &Variable| match variable.start() {
-        Some(Value::Real(v)) if v != 0.0 && !(1e-3..1e4).contains(&v.abs()) => format!("{v:e}"),
+        Some(Value::Real(v)) => readable(v),
         Some(Value::Text(word)) => word,
         Some(value) => value.to_string(),
         None => String::new(),
@@ -48,10 +53,9 @@ fn settable(wanted: fn(&Variable) -> bool) -> String {
     table(
         &["Name", "Unit", "Start", "Range", "Meaning"],
         VARIABLES.iter().filter(|variable| wanted(variable)).map(|variable| {
-            let range = match (variable.range(), variable.data_type()) {
-                (Some((low, high)), Type::Integer) => format!("{low} to {high}"),
-                (Some((low, high)), _) => format!("{low:e} to {high:e}"),
-                (None, _) => escape(&variable.allowed()),
+            let range = match variable.range() {
+                Some((low, high)) => format!("{} to {}", readable(low), readable(high)),
+                None => escape(&variable.allowed()),
             };
             let meaning = escape(&variable.description);
             vec![code(&variable.name), variable.unit.name().into(), start(variable), range, meaning]

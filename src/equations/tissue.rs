@@ -1,0 +1,309 @@
+//! The poroelastic tissue of one body.
+//!
+//! With test functions v and w, per unit depth, over the reference layer (section 2.2 of de Boer et al. 2020; fluid mass divided
+//! by the density at ambient pressure, r = rho/rho0 = exp(chi p)):
+//!
+//! paper:       int P_eff : grad v + alpha grad p . v
+//! consistent:  int (P_eff - alpha p J F^-T) : grad v   (+ the film's pressure on the surface, [`surface_pressure`])
+//! both:        int r K grad p . grad w - alpha r (J - 1) U_i v_rot . grad w + alpha r dJ/dt w
+//!
+//! U_i v_rot is the rigid rotation of the body with surface speed U_i; the convective term v . grad J is integrated by parts, so
+//! that no second derivatives of the displacement appear (its density-gradient part, of order chi p = 1e-5, is dropped).
+
+use nalgebra::{Matrix2, Vector2};
+
+use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, POINTS, quadratic, quadratic_derivative};
+use crate::fem::mesh::LayerMesh;
+use crate::laws::darcy::{conductance, conductance_derivative};
+use crate::laws::neo_hookean::{COFACTOR_DERIVATIVE, NeoHookean, Strain, flatten};
+
+/// Local unknowns of an element: nine horizontal displacements, nine vertical ones, nine pressures.
+pub const LOCAL: usize = 3 * NODES;
+
+/// Values or residuals over the local unknowns.
+pub type Local = [f64; LOCAL];
+
+/// The material of one body and the balance laws it obeys.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tissue {
+    /// Drained solid, moduli weighted as the formulation says.
+    pub solid: NeoHookean,
+    /// Biot-Willis coefficient alpha [1].
+    pub biot_coefficient: f64,
+    /// Hydraulic permeability kappa/eta [m^4/(N s)].
+    pub mobility: f64,
+    /// Compressibility chi of the fluid [1/Pa].
+    pub fluid_compressibility: f64,
+    /// Whether stress and Darcy's law are those of the consistent formulation.
+    pub consistent: bool,
+}
+
+/// How fast an element's volume changes: dJ/dt = rate * J + history, by the time integration; steady is rate = history = 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VolumeRate {
+    /// Factor of J [1/s].
+    pub rate: f64,
+    /// The rest of the difference formula, at each quadrature point [1/s].
+    pub history: [f64; POINTS],
+}
+
+/// The element has turned inside out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("an element of the tissue is turned inside out")]
+pub struct Inverted;
+
+/// What is wanted of an element; matrices are column-major over the local unknowns.
+pub struct ElementTerms<'a> {
+    /// Added to: the residual.
+    pub residual: Option<&'a mut Local>,
+    /// Added to: its derivative with respect to the surface speed.
+    pub by_speed: Option<&'a mut Local>,
+    /// Added to: its derivative with respect to the local unknowns.
+    pub tangent: Option<&'a mut [f64; LOCAL * LOCAL]>,
+}
+
+impl Tissue {
+    /// Adds the terms of one element at local values `at`, moving with `speed` [m/s].
+    ///
+    /// # Errors
+    /// [`Inverted`] where J <= 0 at a quadrature point.
+    pub fn element(
+        &self,
+        mesh: &LayerMesh,
+        element: usize,
+        at: &Local,
+        speed: f64,
+        volume_rate: &VolumeRate,
+        mut terms: ElementTerms<'_>,
+    ) -> Result<(), Inverted> {
+        let alpha = self.biot_coefficient;
+        let (ux, rest) = at.split_at(NODES);
+        let (uy, pressures) = rest.split_at(NODES);
+        for (q, point) in mesh.points(element).iter().enumerate() {
+            let [gx, gy] = &point.gradients;
+            let [px, py] = mesh.pressure_gradients(element, q);
+            let (shape, pressure_shape) = (&mesh.shape[q], &mesh.pressure_shape[q]);
+            let strain = Strain::new(Matrix2::new(dot(gx, ux), dot(gy, ux), dot(gx, uy), dot(gy, uy)));
+            let pressure = dot(pressure_shape, pressures);
+            let pressure_gradient = Vector2::new(dot(px, pressures), dot(py, pressures));
+            if strain.volume_ratio() <= 0.0 || !strain.volume_change.is_finite() {
+                return Err(Inverted);
+            }
+            let density = (self.fluid_compressibility * pressure).exp();
+            let rotation = Vector2::from(point.velocity);
+            let conductance = conductance(self.mobility, &strain, self.consistent);
+            let convected = rotation * (-alpha * strain.volume_change);
+            let flow = conductance * pressure_gradient + convected * speed;
+            let volume_change_rate = volume_rate.rate * strain.volume_ratio() + volume_rate.history[q];
+            let weight = point.weight;
+
+            if let Some(residual) = &mut terms.residual {
+                let mut stress = self.solid.stress(&strain);
+                let mut force = pressure_gradient * alpha;
+                if self.consistent {
+                    stress -= strain.cofactor * (alpha * pressure);
+                    force = Vector2::zeros();
+                }
+                let storage = alpha * volume_change_rate;
+                for a in 0..NODES {
+                    residual[a] += weight * (stress.m11 * gx[a] + stress.m12 * gy[a] + force.x * shape[a]);
+                    residual[NODES + a] += weight * (stress.m21 * gx[a] + stress.m22 * gy[a] + force.y * shape[a]);
+                    residual[2 * NODES + a] +=
+                        weight * density * (flow.x * px[a] + flow.y * py[a] + storage * pressure_shape[a]);
+                }
+            }
+            if let Some(by_speed) = &mut terms.by_speed {
+                for a in 0..NODES {
+                    by_speed[2 * NODES + a] += weight * density * (convected.x * px[a] + convected.y * py[a]);
+                }
+            }
+            if let Some(tangent) = &mut terms.tangent {
+                let mut stress_by_strain = self.solid.tangent(&strain);
+                let cofactor = flatten(&strain.cofactor);
+                let mut flow_by_strain = Vector2::new(rotation.x, rotation.y) * cofactor.transpose() * (-alpha * speed);
+                if self.consistent {
+                    for row in 0..4 {
+                        for column in 0..4 {
+                            stress_by_strain[(row, column)] -= alpha * pressure * COFACTOR_DERIVATIVE[row][column];
+                        }
+                    }
+                    flow_by_strain += conductance_derivative(self.mobility, &strain, &pressure_gradient);
+                }
+                let fluid = weight * density;
+                let storage_by_volume = alpha * volume_rate.rate;
+                let chi = self.fluid_compressibility;
+                for b in 0..NODES {
+                    // Columns of the two displacements of node b.
+                    for k in 0..2 {
+                        let along = |row: [f64; 2]| row[0] * gx[b] + row[1] * gy[b];
+                        let s = std::array::from_fn::<f64, 4, _>(|i| {
+                            weight * along([stress_by_strain[(i, 2 * k)], stress_by_strain[(i, 2 * k + 1)]])
+                        });
+                        let f = std::array::from_fn::<f64, 2, _>(|i| {
+                            fluid * along([flow_by_strain[(i, 2 * k)], flow_by_strain[(i, 2 * k + 1)]])
+                        });
+                        let storage = fluid * storage_by_volume * along([cofactor[2 * k], cofactor[2 * k + 1]]);
+                        let column = &mut tangent[(k * NODES + b) * LOCAL..(k * NODES + b + 1) * LOCAL];
+                        for a in 0..NODES {
+                            column[a] += s[0] * gx[a] + s[1] * gy[a];
+                            column[NODES + a] += s[2] * gx[a] + s[3] * gy[a];
+                            column[2 * NODES + a] += f[0] * px[a] + f[1] * py[a] + storage * pressure_shape[a];
+                        }
+                    }
+                    // Column of the pressure of node b.
+                    let value = pressure_shape[b];
+                    let gradient = Vector2::new(px[b], py[b]);
+                    let (s, force) = if self.consistent {
+                        (cofactor * (-alpha * value * weight), Vector2::zeros())
+                    } else {
+                        (nalgebra::Vector4::zeros(), gradient * (alpha * weight))
+                    };
+                    let f = (conductance * gradient + flow * (chi * value)) * fluid;
+                    let storage = fluid * alpha * volume_change_rate * chi * value;
+                    let column = &mut tangent[(2 * NODES + b) * LOCAL..(2 * NODES + b + 1) * LOCAL];
+                    for a in 0..NODES {
+                        column[a] += s[0] * gx[a] + s[1] * gy[a] + force.x * shape[a];
+                        column[NODES + a] += s[2] * gx[a] + s[3] * gy[a] + force.y * shape[a];
+                        column[2 * NODES + a] += f.x * px[a] + f.y * py[a] + storage * pressure_shape[a];
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Displacement gradient at a quadrature point.
+    pub fn strain(mesh: &LayerMesh, element: usize, point: usize, at: &Local) -> Strain {
+        let [gx, gy] = &mesh.points(element)[point].gradients;
+        let (ux, uy) = (&at[..NODES], &at[NODES..2 * NODES]);
+        Strain::new(Matrix2::new(dot(gx, ux), dot(gy, ux), dot(gx, uy), dot(gy, uy)))
+    }
+}
+
+/// Adds the film's pressure on the deformed articular surface, int p n . v da, of an element of the first row; consistent
+/// formulation only. `side` is 1 for the upper body, whose outward normal points down, and -1 for the lower one.
+pub fn surface_pressure(mesh: &LayerMesh, element: usize, side: f64, at: &Local, terms: ElementTerms<'_>) {
+    let nodes = mesh.element_nodes(element);
+    let place = |k: usize| -> [f64; 3] { std::array::from_fn(|a| mesh.nodes[nodes[a]][k] + at[k * NODES + a]) };
+    let (x, y) = (place(0), place(1));
+    let ElementTerms { mut residual, mut tangent, .. } = terms;
+    for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
+        let (shape, slope) = (quadratic(s), quadratic_derivative(s));
+        let pressure_shape = crate::fem::element::pressure(mesh.pressure_order, s);
+        let sum = |f: &[f64; 3], v: &[f64]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
+        let pressure = sum(&pressure_shape, &at[2 * NODES..]);
+        let normal = [side * sum(&slope, &y), -side * sum(&slope, &x)];
+        for a in 0..3 {
+            if let Some(residual) = &mut residual {
+                residual[a] += w * pressure * normal[0] * shape[a];
+                residual[NODES + a] += w * pressure * normal[1] * shape[a];
+            }
+            if let Some(tangent) = &mut tangent {
+                for b in 0..3 {
+                    let turn = w * pressure * side * slope[b] * shape[a];
+                    tangent[(NODES + b) * LOCAL + a] += turn;
+                    tangent[b * LOCAL + NODES + a] -= turn;
+                    let push = w * pressure_shape[b] * shape[a];
+                    tangent[(2 * NODES + b) * LOCAL + a] += push * normal[0];
+                    tangent[(2 * NODES + b) * LOCAL + NODES + a] += push * normal[1];
+                }
+            }
+        }
+    }
+}
+
+fn dot(f: &[f64; NODES], values: &[f64]) -> f64 {
+    f.iter().zip(values).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::mesh::{graded, quadratic_stations};
+    use proptest::prelude::*;
+
+    fn mesh(order: i32, side: f64) -> LayerMesh {
+        let stations = quadratic_stations(3, |i| 2e-3 * graded(i as f64 / 1.5 - 1.0, 1.0));
+        LayerMesh::sector(&stations, &quadratic_stations(2, |j| 0.5e-3 * j as f64), 0.1, side, order)
+    }
+
+    /// Displacements of 20 micron and pressures of 0.2 MPa, made of these numbers.
+    fn values(seed: &[f64]) -> Local {
+        std::array::from_fn(|i| seed[i % seed.len()] * if i < 2 * NODES { 2e-5 } else { 2e5 })
+    }
+
+    fn all_terms(tissue: &Tissue, mesh: &LayerMesh, side: f64, at: &Local, speed: f64) -> (Local, Local, Vec<f64>) {
+        let (mut residual, mut by_speed, mut tangent) = ([0.0; LOCAL], [0.0; LOCAL], [0.0; LOCAL * LOCAL]);
+        let rate = VolumeRate { rate: 3.0, history: std::array::from_fn(|q| q as f64 - 3.0) };
+        let terms =
+            ElementTerms { residual: Some(&mut residual), by_speed: Some(&mut by_speed), tangent: Some(&mut tangent) };
+        tissue.element(mesh, 2, at, speed, &rate, terms).unwrap();
+        if tissue.consistent {
+            let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: Some(&mut tangent) };
+            surface_pressure(mesh, 2, side, at, terms);
+        }
+        (residual, by_speed, tangent.to_vec())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        /// Taylor test: residual(z + s dz) - residual(z) - s tangent dz falls with s^2, column by column.
+        #[test]
+        fn tangent_is_the_derivative_of_the_residual(
+            seed in prop::collection::vec(-1.0..1.0f64, 31),
+            direction in prop::collection::vec(-1.0..1.0f64, 29),
+            consistent: bool, order in 1..3_i32, upper: bool,
+        ) {
+            let side = if upper { 1.0 } else { -1.0 };
+            let mesh = mesh(order, side);
+            let tissue = Tissue {
+                solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 },
+                biot_coefficient: 0.9, mobility: 1e-12, fluid_compressibility: 1e-7, consistent,
+            };
+            let at = values(&seed);
+            let change = values(&direction);
+            let (_, by_speed, tangent) = all_terms(&tissue, &mesh, side, &at, 0.3);
+            let mut linear = [0.0; LOCAL];
+            for j in 0..LOCAL { for i in 0..LOCAL { linear[i] += tangent[j * LOCAL + i] * change[j]; } }
+            let moved = |s: f64| {
+                let z: Local = std::array::from_fn(|i| at[i] + s * change[i]);
+                all_terms(&tissue, &mesh, side, &z, 0.3).0
+            };
+            let central = |s: f64| -> Local {
+                let (plus, minus) = (moved(s), moved(-s));
+                std::array::from_fn(|i| (plus[i] - minus[i]) / (2.0 * s))
+            };
+            let difference = central(1e-4);
+            for group in [0..2 * NODES, 2 * NODES..LOCAL] {
+                let size = group.clone().map(|i| linear[i].abs()).fold(0.0, f64::max);
+                for i in group {
+                    prop_assert!((difference[i] - linear[i]).abs() < 2e-7 * size, "{} {} {}", i, difference[i], linear[i]);
+                }
+            }
+            // The residual is linear in the speed.
+            let (faster, _, _) = all_terms(&tissue, &mesh, side, &at, 1.3);
+            let (slower, _, _) = all_terms(&tissue, &mesh, side, &at, 0.3);
+            for i in 0..LOCAL {
+                prop_assert!((faster[i] - slower[i] - by_speed[i]).abs() <= 1e-9 * (faster[i].abs() + by_speed[i].abs()) + 1e-30);
+            }
+        }
+    }
+
+    #[test]
+    fn an_element_turned_inside_out_is_refused() {
+        let mesh = mesh(2, 1.0);
+        let tissue = Tissue {
+            solid: NeoHookean { shear_modulus: 1.0, bulk_modulus: 1.0 },
+            biot_coefficient: 1.0,
+            mobility: 1.0,
+            fluid_compressibility: 0.0,
+            consistent: false,
+        };
+        let mut at = [0.0; LOCAL];
+        for (a, n) in mesh.element_nodes(0).into_iter().enumerate() {
+            at[NODES + a] = -3.0 * mesh.nodes[n][1];
+        }
+        let terms = ElementTerms { residual: None, by_speed: None, tangent: None };
+        assert_eq!(tissue.element(&mesh, 0, &at, 0.0, &VolumeRate::default(), terms), Err(Inverted));
+    }
+}

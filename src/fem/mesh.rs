@@ -1,0 +1,198 @@
+//! Structured meshes of a layer, with everything at the quadrature points that does not change during a simulation.
+
+use super::element::{self, GAUSS, GAUSS_WEIGHTS, NODES, POINTS};
+
+/// Position of a fraction -1..=1 (or 0..=1) after sinh grading towards 0; strength 0 is uniform.
+pub fn graded(fraction: f64, strength: f64) -> f64 {
+    if strength == 0.0 { fraction } else { (strength * fraction).sinh() / strength.sinh() }
+}
+
+/// Ends and middles of `count` elements whose ends are `end(0), ..., end(count)`.
+pub fn quadratic_stations(count: usize, end: impl Fn(usize) -> f64) -> Vec<f64> {
+    (0..=2 * count).map(|i| if i % 2 == 0 { end(i / 2) } else { 0.5 * (end(i / 2) + end(i / 2 + 1)) }).collect()
+}
+
+/// What the weak forms need at one quadrature point.
+#[derive(Debug, Clone, Copy)]
+pub struct Point {
+    /// Quadrature weight times Jacobian [m^2].
+    pub weight: f64,
+    /// d(shape function)/dX and d/dY of the displacement's nodes [1/m].
+    pub gradients: [[f64; NODES]; 2],
+    /// Velocity of the rotating body per unit of surface speed [1].
+    pub velocity: [f64; 2],
+}
+
+/// A layer meshed with `columns` x `rows` biquadratic elements.
+///
+/// Nodes lie on stations along the surface and levels inwards; node (station, level) has index
+/// `station * levels + level`, level 0 being the articular surface.
+#[derive(Debug, Clone)]
+pub struct LayerMesh {
+    /// Elements along the surface.
+    pub columns: usize,
+    /// Elements through the thickness.
+    pub rows: usize,
+    /// Reference positions of the nodes [m].
+    pub nodes: Vec<[f64; 2]>,
+    /// Order of the pressure's shape functions.
+    pub pressure_order: i32,
+    points: Vec<Point>,
+    pressure_gradients: Vec<[[f64; NODES]; 2]>,
+    /// Values of the displacement's shape functions at the quadrature points.
+    pub shape: [[f64; NODES]; POINTS],
+    /// Values of the pressure's shape functions at the quadrature points.
+    pub pressure_shape: [[f64; NODES]; POINTS],
+}
+
+impl LayerMesh {
+    /// Meshes the image of stations x levels under `position`; `velocity` is that of the material per unit of surface speed.
+    pub fn new(
+        [columns, rows]: [usize; 2],
+        pressure_order: i32,
+        position: impl Fn(usize, usize) -> [f64; 2],
+        velocity: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> Self {
+        let levels = 2 * rows + 1;
+        let nodes: Vec<_> =
+            (0..=2 * columns).flat_map(|i| (0..levels).map(move |j| (i, j))).map(|(i, j)| position(i, j)).collect();
+        let at_points = |f: &dyn Fn(f64, f64) -> [f64; NODES]| -> [[f64; NODES]; POINTS] {
+            std::array::from_fn(|q| f(GAUSS[q % 3], GAUSS[q / 3]))
+        };
+        use element::{pressure, pressure_derivative, quadratic, quadratic_derivative, tensor};
+        let shape = at_points(&|s, t| tensor(quadratic(s), quadratic(t)));
+        let by_s = at_points(&|s, t| tensor(quadratic_derivative(s), quadratic(t)));
+        let by_t = at_points(&|s, t| tensor(quadratic(s), quadratic_derivative(t)));
+        let pressure_shape = at_points(&|s, t| tensor(pressure(pressure_order, s), pressure(pressure_order, t)));
+        let pressure_by_s =
+            at_points(&|s, t| tensor(pressure_derivative(pressure_order, s), pressure(pressure_order, t)));
+        let pressure_by_t =
+            at_points(&|s, t| tensor(pressure(pressure_order, s), pressure_derivative(pressure_order, t)));
+
+        let mut mesh = Self {
+            columns,
+            rows,
+            nodes,
+            pressure_order,
+            points: Vec::with_capacity(columns * rows * POINTS),
+            pressure_gradients: Vec::new(),
+            shape,
+            pressure_shape,
+        };
+        for element in 0..columns * rows {
+            let at = mesh.element_nodes(element).map(|n| mesh.nodes[n]);
+            for q in 0..POINTS {
+                let sum = |values: &[f64; NODES], k: usize| -> f64 { (0..NODES).map(|a| values[a] * at[a][k]).sum() };
+                // Jacobian [dX/ds dX/dt; dY/ds dY/dt]
+                let [xs, xt, ys, yt] = [sum(&by_s[q], 0), sum(&by_t[q], 0), sum(&by_s[q], 1), sum(&by_t[q], 1)];
+                let determinant = xs * yt - xt * ys;
+                let gradients = |s: &[f64; NODES], t: &[f64; NODES]| -> [[f64; NODES]; 2] {
+                    [
+                        std::array::from_fn(|a| (yt * s[a] - ys * t[a]) / determinant),
+                        std::array::from_fn(|a| (-xt * s[a] + xs * t[a]) / determinant),
+                    ]
+                };
+                mesh.points.push(Point {
+                    weight: determinant.abs() * GAUSS_WEIGHTS[q % 3] * GAUSS_WEIGHTS[q / 3],
+                    gradients: gradients(&by_s[q], &by_t[q]),
+                    velocity: velocity([sum(&shape[q], 0), sum(&shape[q], 1)]),
+                });
+                if pressure_order != 2 {
+                    mesh.pressure_gradients.push(gradients(&pressure_by_s[q], &pressure_by_t[q]));
+                }
+            }
+        }
+        mesh
+    }
+
+    /// A cartilage layer on the outside of a circle that touches y = 0 at x = 0 from above (`side` = 1) or from below (-1).
+    ///
+    /// `stations` are the x of the surface nodes [m], `depths` the distances of the levels from the surface [m].
+    pub fn sector(stations: &[f64], depths: &[f64], radius: f64, side: f64, pressure_order: i32) -> Self {
+        Self::new(
+            [stations.len() / 2, depths.len() / 2],
+            pressure_order,
+            |i, j| {
+                let sine = stations[i] / radius;
+                // 1 - cos without cancellation
+                let versine = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
+                [(radius - depths[j]) * sine, side * (radius * versine + depths[j] * (1.0 - versine))]
+            },
+            |[x, y]| [1.0 - side * y / radius, side * x / radius],
+        )
+    }
+
+    /// Number of node levels through the thickness.
+    pub fn levels(&self) -> usize {
+        2 * self.rows + 1
+    }
+
+    /// Number of elements; element (column, row) has index `column * rows + row`.
+    pub fn elements(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Node indices of an element.
+    pub fn element_nodes(&self, element: usize) -> [usize; NODES] {
+        let (column, row) = (element / self.rows, element % self.rows);
+        std::array::from_fn(|a| (2 * column + a % 3) * self.levels() + 2 * row + a / 3)
+    }
+
+    /// Geometry at the quadrature points of an element.
+    pub fn points(&self, element: usize) -> &[Point] {
+        &self.points[element * POINTS..(element + 1) * POINTS]
+    }
+
+    /// Gradients of the pressure's shape functions at a quadrature point of an element [1/m].
+    pub fn pressure_gradients(&self, element: usize, point: usize) -> &[[f64; NODES]; 2] {
+        let index = element * POINTS + point;
+        if self.pressure_order == 2 { &self.points[index].gradients } else { &self.pressure_gradients[index] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn sector(side: f64) -> LayerMesh {
+        let stations = quadratic_stations(20, |i| 8e-3 * graded(f64::from(i as u32) / 10.0 - 1.0, 2.0));
+        let depths = quadratic_stations(4, |j| 1e-3 * graded(f64::from(j as u32) / 4.0, 2.0));
+        LayerMesh::sector(&stations, &depths, 0.1, side, 1)
+    }
+
+    #[test]
+    fn area_is_that_of_the_sector() {
+        let angle = 2.0 * (8e-3_f64 / 0.1).asin();
+        let exact = 0.5 * angle * (0.1_f64.powi(2) - 0.099_f64.powi(2));
+        for side in [1.0, -1.0] {
+            let mesh = sector(side);
+            let area: f64 = (0..mesh.elements()).flat_map(|e| mesh.points(e).iter().map(|p| p.weight)).sum();
+            assert_relative_eq!(area, exact, max_relative = 1e-7);
+        }
+    }
+
+    #[test]
+    fn gradients_differentiate_linear_fields_and_the_body_rotates_with_unit_surface_speed() {
+        for side in [1.0, -1.0] {
+            let mesh = sector(side);
+            for element in [0, 37, 79] {
+                let nodes = mesh.element_nodes(element).map(|n| mesh.nodes[n]);
+                for (q, point) in mesh.points(element).iter().enumerate() {
+                    let field = |[x, y]: [f64; 2]| 2.0 * x - 3.0 * y + 1.0;
+                    for (k, expected) in [(0, 2.0), (1, -3.0)] {
+                        let sum: f64 = (0..NODES).map(|a| point.gradients[k][a] * field(nodes[a])).sum();
+                        assert_relative_eq!(sum, expected, max_relative = 1e-9);
+                        assert_relative_eq!(
+                            mesh.pressure_gradients(element, q)[k].iter().sum::<f64>(),
+                            0.0,
+                            epsilon = 1e-9
+                        );
+                    }
+                    let speed = point.velocity[0].hypot(point.velocity[1]);
+                    assert!((0.99..=1.0).contains(&speed) && point.velocity[0] > 0.9);
+                }
+            }
+        }
+    }
+}

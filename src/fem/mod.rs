@@ -1,0 +1,4 @@
+//! Geometry and bookkeeping of the finite elements; no physics.
+
+pub mod element;
+pub mod mesh;

@@ -1,0 +1,16 @@
+//! The laws of the model as pure functions of numbers: no mesh, no unknowns, no linear algebra. Each returns its value and
+//! its derivatives; the tests compare the derivatives with finite differences.
+
+pub mod contact;
+pub mod darcy;
+pub mod film;
+pub mod neo_hookean;
+
+/// Which reading of the balance laws is solved (see the crate documentation).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Formulation {
+    /// The equations of de Boer et al. (2020) as printed.
+    Paper,
+    /// Total-stress poroelasticity at finite strain with regularised Coulomb friction.
+    Consistent,
+}

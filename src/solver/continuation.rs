@@ -1,0 +1,66 @@
+//! Steps along a path: as long as they succeed, shorter where they do not.
+
+/// Shortest step, as a fraction of the path, before giving up.
+const SHORTEST: f64 = 1.0 / 1024.0;
+
+/// Where a path ended early.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stuck<E> {
+    /// Fraction of the path that was covered.
+    pub fraction: f64,
+    /// Why the next step failed, however short.
+    pub reason: E,
+}
+
+/// Goes from 0 to 1. `attempt(to)` tries one step: it moves its caller's state and says where to, which may be further than asked,
+/// or leaves it alone and says why.
+///
+/// # Errors
+/// [`Stuck`] where even the shortest step fails.
+pub fn advance<E>(mut attempt: impl FnMut(f64) -> Result<f64, E>) -> Result<(), Stuck<E>> {
+    let (mut done, mut step) = (0.0, 1.0_f64);
+    while done < 1.0 {
+        // The last step ends on 1 exactly.
+        let target = if done + step >= 1.0 - 1e-12 { 1.0 } else { done + step };
+        match attempt(target) {
+            Ok(reached) => {
+                done = reached;
+                step *= 2.0;
+            }
+            Err(reason) if step <= SHORTEST => return Err(Stuck { fraction: done, reason }),
+            Err(_) => step *= 0.5,
+        }
+        step = step.min(1.0 - done).max(SHORTEST);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_on_failure_and_doubles_on_success() {
+        let (mut steps, mut from) = (Vec::new(), 0.0);
+        let result = advance(|to| {
+            // Steps longer than 0.3 fail.
+            if to - from > 0.3 {
+                return Err("too long");
+            }
+            steps.push(to - from);
+            from = to;
+            Ok(to)
+        });
+        assert_eq!(result, Ok(()));
+        assert!((steps.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(steps.len() <= 5, "{steps:?}");
+    }
+
+    #[test]
+    fn says_how_far_it_came() {
+        let result = advance(|to| if to > 0.6 { Err("wall") } else { Ok(to) });
+        let stuck = result.unwrap_err();
+        assert_eq!(stuck.reason, "wall");
+        assert!(stuck.fraction > 0.598 && stuck.fraction <= 0.6);
+    }
+}

@@ -1,0 +1,5 @@
+//! Numbers only, no physics: linear elimination, Newton's method, continuation.
+
+pub mod continuation;
+pub mod linear;
+pub mod newton;

@@ -1,0 +1,172 @@
+//! Newton's method for equations with a discrete state (the active set of contact) beside the unknowns.
+
+/// Equations that Newton's method can solve. Errors are reasons in words.
+pub trait Problem {
+    /// Writes the residual at these unknowns and renews the discrete state; returns whether that changed.
+    ///
+    /// # Errors
+    /// A reason why there is no residual here, such as an element turned inside out.
+    fn residual(&mut self, unknowns: &[f64], residual: &mut Vec<f64>) -> Result<bool, String>;
+
+    /// Factorises the tangent at these unknowns, with the discrete state of the last residual.
+    ///
+    /// # Errors
+    /// A reason, such as a singular tangent.
+    fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String>;
+
+    /// Solves with the last factorisation, in place.
+    ///
+    /// # Errors
+    /// A reason, such as an answer that is not finite.
+    fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String>;
+
+    /// Subtracts an update from the unknowns, within the limits that the problem knows to be wise.
+    fn apply(&self, unknowns: &mut [f64], update: &[f64]) {
+        unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
+    }
+
+    /// Size of an update relative to the unknowns.
+    fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64;
+}
+
+/// When to stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Allowed error of the unknowns, relative.
+    pub tolerance: f64,
+    /// Most iterations.
+    pub maximum_iterations: usize,
+}
+
+/// Why there is no solution, and what it cost to find out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// In words.
+    pub reason: String,
+    /// Iterations spent.
+    pub iterations: usize,
+}
+
+/// Solves in place; returns the number of iterations. `residual` ends as the residual at the solution.
+///
+/// The method stops when the next update, estimated from the contraction of the last two, would be below the tolerance and the
+/// discrete state is that of the solution.
+///
+/// # Errors
+/// [`Failure`] where it does not get there; the unknowns are then somewhere on the way.
+pub fn solve(
+    problem: &mut impl Problem,
+    unknowns: &mut [f64],
+    residual: &mut Vec<f64>,
+    settings: &Settings,
+) -> Result<usize, Failure> {
+    let fail = |reason: String, iterations| Failure { reason, iterations };
+    let mut update = vec![0.0; unknowns.len()];
+    let (mut previous, mut converged) = (f64::INFINITY, false);
+    problem.residual(unknowns, residual).map_err(|reason| fail(reason, 0))?;
+    for iteration in 1..=settings.maximum_iterations {
+        let fail = |reason| fail(reason, iteration);
+        problem.factorise(unknowns).map_err(fail)?;
+        update.copy_from_slice(residual);
+        problem.solve(&mut update).map_err(fail)?;
+        let size = problem.relative_size(unknowns, &update);
+        if !size.is_finite() {
+            return Err(fail("the update is not finite".into()));
+        }
+        let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
+        let contraction = if previous.is_finite() { (size / previous).min(1.0) } else { 1.0 };
+        converged = size * contraction < settings.tolerance;
+        if converged && !changed {
+            return Ok(iteration);
+        }
+        previous = if changed { f64::INFINITY } else { size.min(1.0) };
+    }
+    let reason = if converged { "the contact does not settle" } else { "Newton's method does not converge" };
+    Err(fail(format!("{reason} in {} iterations", settings.maximum_iterations), settings.maximum_iterations))
+}
+
+/// Applies an update, shortened where there is no residual at its end.
+fn advance(
+    problem: &mut impl Problem,
+    unknowns: &mut [f64],
+    update: &mut [f64],
+    residual: &mut Vec<f64>,
+) -> Result<bool, String> {
+    let before = unknowns.to_vec();
+    let mut length = 1.0;
+    loop {
+        problem.apply(unknowns, update);
+        match problem.residual(unknowns, residual) {
+            Err(reason) if length < 0.1 => return Err(reason),
+            Err(_) => {
+                length *= 0.5;
+                update.iter_mut().for_each(|d| *d *= 0.5);
+                unknowns.copy_from_slice(&before);
+            }
+            changed => return changed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One equation f(z) = 0 for z > 0; a negative z has no residual.
+    struct Scalar<F: Fn(f64) -> (f64, f64)> {
+        function: F,
+        slope: f64,
+        sizes: Vec<f64>,
+    }
+
+    impl<F: Fn(f64) -> (f64, f64)> Problem for Scalar<F> {
+        fn residual(&mut self, z: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
+            if z[0] < 0.0 {
+                return Err("negative".into());
+            }
+            *residual = vec![(self.function)(z[0]).0];
+            Ok(false)
+        }
+        fn factorise(&mut self, z: &[f64]) -> Result<(), String> {
+            self.slope = (self.function)(z[0]).1;
+            Ok(())
+        }
+        fn solve(&mut self, rhs: &mut [f64]) -> Result<(), String> {
+            rhs[0] /= self.slope;
+            self.sizes.push(rhs[0].abs());
+            Ok(())
+        }
+        fn relative_size(&self, z: &[f64], update: &[f64]) -> f64 {
+            update[0].abs() / z[0].abs()
+        }
+    }
+
+    fn run(function: impl Fn(f64) -> (f64, f64), start: f64) -> (Result<usize, Failure>, f64, Vec<f64>) {
+        let mut problem = Scalar { function, slope: 0.0, sizes: vec![] };
+        let mut z = [start];
+        let settings = Settings { tolerance: 1e-10, maximum_iterations: 20 };
+        let result = solve(&mut problem, &mut z, &mut Vec::new(), &settings);
+        (result, z[0], problem.sizes)
+    }
+
+    #[test]
+    fn converges_quadratically_and_reaches_the_tolerance() {
+        let (result, z, sizes) = run(|z| (z * z - 2.0, 2.0 * z), 3.0);
+        assert!(result.is_ok());
+        assert!((z - 2.0_f64.sqrt()).abs() < 1e-10);
+        let last = &sizes[sizes.len() - 3..];
+        assert!(last[2] < last[1].powi(2) && last[1] < last[0].powi(2), "{sizes:?}");
+    }
+
+    #[test]
+    fn shortens_an_update_that_leaves_the_domain() {
+        let (result, z, _) = run(|z| (z.sqrt() - 1.0, 0.5 / z.sqrt()), 9.0);
+        assert!(result.is_ok() && (z - 1.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn says_why_it_stops() {
+        let (result, _, _) = run(|z| (z * z + 1.0, 2.0 * z), 1.0);
+        assert!(!result.unwrap_err().reason.is_empty());
+    }
+}
