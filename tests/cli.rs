@@ -174,6 +174,14 @@ fn a_library_that_was_not_built_is_named_with_the_command_that_builds_it() {
 }
 
 #[test]
+fn what_cannot_be_solved_is_explained_with_exit_code_1() {
+    // Deeper than the two layers are thick.
+    let message = refused(&format!("solve {COARSE} --penetration-depth 9e-3"), 1);
+    assert!(message.starts_with("error: no converged solution at penetration_depth = 9e-3 m"), "{message}");
+    assert!(message.contains("reached penetration_depth ="), "{message}");
+}
+
+#[test]
 fn the_examples_are_cases() {
     let mut names: Vec<_> = std::fs::read_dir("examples")
         .unwrap()
