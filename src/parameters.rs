@@ -8,7 +8,7 @@ pub use crate::laws::Formulation;
 use crate::units::Unit;
 
 /// One cartilage layer on its bone.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Body {
     /// Radius of the articular surface [m].
     pub outer_radius: f64,
@@ -25,7 +25,7 @@ pub struct Body {
 }
 
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mesh {
     /// Elements along the articular surface.
     pub columns: i32,
@@ -38,7 +38,7 @@ pub struct Mesh {
 }
 
 /// All parameters of a case.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Parameters {
     /// The body above the film.
     pub upper: Body,

@@ -15,6 +15,7 @@ pub enum Unit {
     KilogramPerCubicMetre,
     Newton,
     NewtonPerMetre,
+    SquareMetrePerSecond,
 }
 
 /// A unit as people read it: `value_shown = factor * value_in_SI`.
@@ -41,6 +42,7 @@ impl Unit {
             Self::KilogramPerCubicMetre => "kg/m3",
             Self::Newton => "N",
             Self::NewtonPerMetre => "N/m",
+            Self::SquareMetrePerSecond => "m2/s",
         }
     }
 
@@ -58,6 +60,7 @@ impl Unit {
             Self::KilogramPerCubicMetre => (1, -3, 0, 0),
             Self::Newton => (1, 1, -2, 0),
             Self::NewtonPerMetre => (1, 0, -2, 0),
+            Self::SquareMetrePerSecond => (0, 2, -1, 0),
         }
     }
 

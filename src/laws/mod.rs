@@ -7,7 +7,7 @@ pub mod film;
 pub mod neo_hookean;
 
 /// Which reading of the balance laws is solved (see the crate documentation).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Formulation {
     /// The equations of de Boer et al. (2020) as printed.
     Paper,

@@ -79,7 +79,7 @@ pub fn solve(
         if converged && !changed {
             return Ok(iteration);
         }
-        previous = if changed { f64::INFINITY } else { size };
+        previous = if changed { f64::INFINITY } else { size.min(1.0) };
     }
     let reason = if converged { "the contact does not settle" } else { "Newton's method does not converge" };
     Err(fail(format!("{reason} in {} iterations", settings.maximum_iterations), settings.maximum_iterations))

@@ -1,0 +1,176 @@
+//! Between C and safe Rust: handles, slices, strings, the logger, panics.
+//!
+//! Every function of [`fmi2`](crate::fmi::fmi2) passes through [`guard`], so that neither a null handle nor a panic gets
+//! further than here.
+#![allow(unsafe_code)]
+
+use std::ffi::{CStr, CString, c_char, c_uint, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::fmi::instance::{Answer, Instance, refuse};
+use crate::fmi::log::{Category, Line, Log, Status};
+
+/// The importer's message function. It is variadic as `printf` is, and `message` is its format.
+pub type Logger = unsafe extern "C" fn(
+    environment: *mut c_void,
+    instance_name: *const c_char,
+    status: c_uint,
+    category: *const c_char,
+    message: *const c_char,
+    ...
+);
+
+/// Where messages go: a copy, because the importer's struct lives only during fmi2Instantiate.
+#[derive(Clone)]
+pub struct Messenger {
+    /// The importer's function, if it gave one.
+    pub logger: Option<Logger>,
+    /// Passed through to it.
+    pub environment: *mut c_void,
+    /// Name of the instance.
+    pub instance_name: CString,
+}
+
+impl Messenger {
+    /// Hands a line to the importer.
+    pub fn tell(&self, line: &Line) {
+        let Some(logger) = self.logger else { return };
+        // `#` starts a variable reference in FMI's messages; NUL would end the text.
+        let message = line.message.replace('#', "##").replace('\0', " ");
+        let (Ok(category), Ok(message)) = (CString::new(line.category.name()), CString::new(message)) else { return };
+        // SAFETY: the importer vouches for its logger and environment until fmi2FreeInstance; the strings outlive the call.
+        unsafe {
+            logger(
+                self.environment,
+                self.instance_name.as_ptr(),
+                line.status as c_uint,
+                category.as_ptr(),
+                c"%s".as_ptr(),
+                message.as_ptr(),
+            );
+        }
+    }
+}
+
+/// What a handle points to.
+pub struct Component {
+    instance: Instance,
+    messenger: Messenger,
+    poisoned: bool,
+}
+
+/// Makes a handle; [`release`] ends it.
+pub fn create(log: Log, messenger: Messenger) -> *mut c_void {
+    Box::into_raw(Box::new(Component { instance: Instance::new(log), messenger, poisoned: false })).cast()
+}
+
+/// Ends a handle. Null is ignored.
+///
+/// # Safety
+/// The handle is from [`create`], and nobody uses it any more.
+pub unsafe fn release(handle: *mut c_void) {
+    if !handle.is_null() {
+        // SAFETY: as the caller vouches.
+        let component = unsafe { Box::from_raw(handle.cast::<Component>()) };
+        // A panic in a destructor has nobody left to be told.
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(component)));
+    }
+}
+
+/// Runs the body of an FMI function and turns its outcome into a status; tells the importer why it was not OK.
+///
+/// A panic poisons the instance: from then on it answers `fmi2Fatal` to everything.
+///
+/// # Safety
+/// The handle is null or from [`create`], and no other call with it is under way.
+pub unsafe fn guard(handle: *mut c_void, function: &str, body: impl FnOnce(&mut Instance) -> Answer<()>) -> c_uint {
+    if handle.is_null() {
+        return Status::Error as c_uint;
+    }
+    let (status, lines, messenger) = {
+        // SAFETY: as the caller vouches.
+        let component = unsafe { &mut *handle.cast::<Component>() };
+        if component.poisoned {
+            return Status::Fatal as c_uint;
+        }
+        let instance = &mut component.instance;
+        let status = match catch_unwind(AssertUnwindSafe(|| body(instance))) {
+            Ok(Ok(())) => Status::Ok,
+            Ok(Err(refusal)) => {
+                let category = if refusal.status == Status::Discard { Category::Discard } else { Category::Error };
+                instance.log.add(refusal.status, category, format!("{function}: {}", refusal.message));
+                refusal.status
+            }
+            Err(panic) => {
+                component.poisoned = true;
+                let what = panic
+                    .downcast_ref::<&str>()
+                    .map(ToString::to_string)
+                    .or_else(|| panic.downcast_ref::<String>().cloned())
+                    .unwrap_or_default();
+                let message = format!("{function}: a fault in the FMU, please report it: {what}");
+                instance.log.add(Status::Fatal, Category::Fatal, message);
+                Status::Fatal
+            }
+        };
+        (status, instance.log.take(), component.messenger.clone())
+    };
+    // The component is not borrowed while the importer's code runs.
+    lines.iter().for_each(|line| messenger.tell(line));
+    status as c_uint
+}
+
+/// An array from C. An empty one may come as a null pointer.
+///
+/// # Safety
+/// Where `length` is not 0, `first` is null or points to that many values that nobody changes meanwhile.
+pub unsafe fn array<'a, T>(name: &str, first: *const T, length: usize) -> Answer<&'a [T]> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    usable(name, first, length)?;
+    // SAFETY: checked for null, alignment and size; the rest as the caller vouches.
+    Ok(unsafe { std::slice::from_raw_parts(first, length) })
+}
+
+/// An array from C to write to.
+///
+/// # Safety
+/// As for [`array`], and nobody reads it meanwhile.
+pub unsafe fn array_mut<'a, T>(name: &str, first: *mut T, length: usize) -> Answer<&'a mut [T]> {
+    if length == 0 {
+        return Ok(&mut []);
+    }
+    usable(name, first, length)?;
+    // SAFETY: checked for null, alignment and size; the rest as the caller vouches.
+    Ok(unsafe { std::slice::from_raw_parts_mut(first, length) })
+}
+
+/// One value in C's memory to write to.
+///
+/// # Safety
+/// `place` is null or points to a value that nobody else uses meanwhile.
+pub unsafe fn place<'a, T>(name: &str, place: *mut T) -> Answer<&'a mut T> {
+    usable(name, place, 1)?;
+    // SAFETY: checked for null and alignment; the rest as the caller vouches.
+    Ok(unsafe { &mut *place })
+}
+
+fn usable<T>(name: &str, first: *const T, length: usize) -> Answer<()> {
+    if first.is_null() {
+        return refuse(format!("{name} is a null pointer, but {length} values are asked for"));
+    }
+    if !first.is_aligned() || length > isize::MAX as usize / size_of::<T>().max(1) {
+        return refuse(format!("{name} does not point to {length} values"));
+    }
+    Ok(())
+}
+
+/// A string from C; `None` for null. What is not UTF-8 is replaced.
+///
+/// # Safety
+/// `text` is null or ends with NUL.
+pub unsafe fn string(text: *const c_char) -> Option<String> {
+    // SAFETY: as the caller vouches.
+    (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
+}

@@ -1,0 +1,371 @@
+//! One instance of the FMU, in safe Rust: what every call does once pointers have become slices.
+//!
+//! A call that is refused changes nothing. That is why arrays are set on copies first.
+
+use crate::error::Error;
+use crate::fmi::log::{Category, Log, Status};
+use crate::fmi::phase::{Call, Phase};
+use crate::fmi::state::{SavedState, Settings};
+use crate::parameters::Value;
+use crate::simulation::Simulation;
+use crate::variables::{Source, Type, VARIABLES, Variable, View};
+
+/// Why a call did not do what it was asked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    /// `Error`, or `Discard` where another step size or input may succeed.
+    pub status: Status,
+    /// Which variable, which value, what is allowed.
+    pub message: String,
+}
+
+/// Outcome of a call.
+pub type Answer<T> = Result<T, Refusal>;
+
+/// Refuses with `fmi2Error`.
+pub fn refuse<T>(message: impl Into<String>) -> Answer<T> {
+    Err(Refusal { status: Status::Error, message: message.into() })
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Self {
+        let status = if matches!(error, Error::NotConverged { .. }) { Status::Discard } else { Status::Error };
+        Self { status, message: error.to_string() }
+    }
+}
+
+/// One instance: settings, and the simulation once it is needed.
+pub struct Instance {
+    /// What the importer is told.
+    pub log: Log,
+    pub(super) settings: Settings,
+    pub(super) simulation: Option<Simulation>,
+}
+
+/// Masters add up step sizes; this much of a time or a step is taken for rounding.
+const TIME_ROUNDING: f64 = 1e-9;
+
+fn later(a: f64, b: f64, step: f64) -> bool {
+    a - b > TIME_ROUNDING * a.abs().max(b.abs()).max(step)
+}
+
+impl Instance {
+    /// A fresh instance with the start values of the table.
+    pub fn new(log: Log) -> Self {
+        Self { log, settings: Settings::default(), simulation: None }
+    }
+
+    /// Where it is in its life.
+    pub fn phase(&self) -> Phase {
+        self.settings.phase
+    }
+
+    /// Refuses a call that the standard does not allow now.
+    pub fn check(&self, call: Call) -> Answer<()> {
+        if call.phases().contains(&self.settings.phase) {
+            return Ok(());
+        }
+        let allowed: Vec<_> = call.phases().iter().map(Phase::to_string).collect();
+        if allowed.is_empty() {
+            return refuse("no step is pending: steps of this FMU are never asynchronous");
+        }
+        refuse(format!("not allowed {}; allowed {}", self.settings.phase, allowed.join(", ")))
+    }
+
+    /// fmi2SetupExperiment. The tolerance is not used: that of the solver is the parameter `tolerance`.
+    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer<()> {
+        self.check(Call::SetupExperiment)?;
+        if let Some(value) = tolerance.filter(|value| !(value.is_finite() && *value > 0.0)) {
+            return refuse(format!("tolerance = {value} is not allowed: a positive number"));
+        }
+        if !start.is_finite() {
+            return refuse(format!("startTime = {start} is not allowed: a finite number"));
+        }
+        if let Some(stop) = stop.filter(|stop| !stop.is_finite() || *stop < start) {
+            return refuse(format!("stopTime = {stop} is not allowed: a finite number, startTime = {start} or later"));
+        }
+        self.settings.time = start;
+        self.settings.stop_time = stop;
+        Ok(())
+    }
+
+    /// fmi2EnterInitializationMode.
+    pub fn enter_initialization_mode(&mut self) -> Answer<()> {
+        self.check(Call::EnterInitializationMode)?;
+        self.settings.parameters.validate()?;
+        self.settings.phase = Phase::Initialization;
+        Ok(())
+    }
+
+    /// fmi2ExitInitializationMode: from here the parameters are fixed.
+    pub fn exit_initialization_mode(&mut self) -> Answer<()> {
+        self.check(Call::ExitInitializationMode)?;
+        // fmi2Discard is not among the answers that the standard allows here.
+        self.solve_if_needed().map_err(|refusal| Refusal { status: Status::Error, ..refusal })?;
+        self.settings.phase = Phase::StepComplete;
+        Ok(())
+    }
+
+    /// fmi2Terminate.
+    pub fn terminate(&mut self) -> Answer<()> {
+        self.check(Call::Terminate)?;
+        self.settings.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// fmi2Reset: as freshly instantiated.
+    pub fn reset(&mut self) -> Answer<()> {
+        self.settings = Settings::default();
+        self.simulation = None;
+        Ok(())
+    }
+
+    /// fmi2GetReal.
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<()> {
+        self.get(references, values, "Real", |_, value| match value {
+            Value::Real(v) => Some(v),
+            _ => None,
+        })
+    }
+
+    /// fmi2GetInteger; enumerations count from 1.
+    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<()> {
+        self.get(references, values, "Integer", |variable, value| match (value, variable.data_type()) {
+            (Value::Integer(v), _) => i32::try_from(v).ok(),
+            (Value::Text(word), Type::Enumeration(items)) => {
+                items.iter().zip(1..).find(|((item, _), _)| *item == word).map(|(_, number)| number)
+            }
+            _ => None,
+        })
+    }
+
+    /// fmi2GetBoolean.
+    pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Answer<()> {
+        self.get(references, values, "Boolean", |_, value| match value {
+            Value::Boolean(v) => Some(i32::from(v)),
+            _ => None,
+        })
+    }
+
+    /// fmi2GetString and fmi2SetString: there are no string variables.
+    pub fn no_strings(&self, call: Call, references: &[u32]) -> Answer<()> {
+        self.check(call)?;
+        match references.first() {
+            Some(reference) => refuse(wrong_type(lookup(*reference)?, "String")),
+            None => Ok(()),
+        }
+    }
+
+    fn get<T>(
+        &mut self,
+        references: &[u32],
+        values: &mut [T],
+        wanted: &str,
+        convert: impl Fn(&Variable, Value) -> Option<T>,
+    ) -> Answer<()> {
+        self.check(Call::Get)?;
+        let variables = references.iter().map(|reference| lookup(*reference)).collect::<Answer<Vec<_>>>()?;
+        if variables.iter().any(|variable| variable.is_output()) {
+            self.solve_if_needed()?;
+        }
+        let mut found = Vec::with_capacity(values.len());
+        for variable in variables {
+            match convert(variable, self.value(variable)?) {
+                Some(value) => found.push(value),
+                None => return refuse(wrong_type(variable, wanted)),
+            }
+        }
+        for (value, found) in values.iter_mut().zip(found) {
+            *value = found;
+        }
+        Ok(())
+    }
+
+    fn value(&self, variable: &Variable) -> Answer<Value> {
+        let Settings { parameters, inputs, .. } = &self.settings;
+        let value = match (variable.source, &self.simulation) {
+            (Source::Input(_) | Source::Parameter(_), _) => {
+                variable.get(&View { parameters, inputs, outputs: &crate::outputs::Outputs::default(), position: &[] })
+            }
+            (_, Some(simulation)) => variable.get(&View::from(simulation)),
+            (_, None) => return refuse(format!("{} has no value yet: nothing has been solved", variable.name)),
+        };
+        match value {
+            Value::Real(v) if !v.is_finite() => refuse(format!("{} has no finite value: {v}", variable.name)),
+            value => Ok(value),
+        }
+    }
+
+    /// fmi2SetReal.
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<()> {
+        self.set(references, values, "Real", |variable, value| {
+            (variable.data_type() == Type::Real).then_some(Value::Real(value))
+        })
+    }
+
+    /// fmi2SetInteger; enumerations count from 1.
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Answer<()> {
+        self.set(references, values, "Integer", |variable, value| match variable.data_type() {
+            Type::Integer => Some(Value::Integer(value.into())),
+            Type::Enumeration(items) => {
+                let item = value.checked_sub(1).and_then(|index| items.get(usize::try_from(index).ok()?));
+                Some(item.map_or(Value::Integer(value.into()), |(word, _)| Value::Text((*word).into())))
+            }
+            _ => None,
+        })
+    }
+
+    /// fmi2SetBoolean.
+    pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Answer<()> {
+        self.set(references, values, "Boolean", |variable, value| {
+            (variable.data_type() == Type::Boolean).then_some(Value::Boolean(value != 0))
+        })
+    }
+
+    fn set<T: Copy>(
+        &mut self,
+        references: &[u32],
+        values: &[T],
+        wanted: &str,
+        convert: impl Fn(&Variable, T) -> Option<Value>,
+    ) -> Answer<()> {
+        self.check(Call::Set)?;
+        let (mut parameters, mut inputs) = (self.settings.parameters, self.settings.inputs);
+        for (reference, value) in references.iter().zip(values) {
+            let variable = lookup(*reference)?;
+            let Some(value) = convert(variable, *value) else { return refuse(wrong_type(variable, wanted)) };
+            if matches!(variable.source, Source::Parameter(_)) && self.settings.phase == Phase::StepComplete {
+                return refuse(format!(
+                    "{} = {value} comes too late: it is a fixed parameter, to be set before initialization ends",
+                    variable.name
+                ));
+            }
+            variable.set(&mut parameters, &mut inputs, &value).map_err(|error| counted(variable, error))?;
+        }
+        if self.settings.phase != Phase::StepComplete {
+            self.settings.solved &= inputs == self.settings.inputs && parameters == self.settings.parameters;
+        }
+        if parameters != self.settings.parameters {
+            self.simulation = None;
+        }
+        (self.settings.parameters, self.settings.inputs) = (parameters, inputs);
+        Ok(())
+    }
+
+    /// fmi2DoStep: the steady solution for the inputs at the end of the step.
+    pub fn do_step(&mut self, from: f64, step: f64) -> Answer<()> {
+        self.check(Call::DoStep)?;
+        let Settings { time, stop_time, inputs, input_rates, .. } = self.settings;
+        if !(step.is_finite() && step > 0.0) {
+            return refuse(format!("communicationStepSize = {step} is not allowed: a positive number"));
+        }
+        if !from.is_finite() || later(from, time, step) || later(time, from, step) {
+            return refuse(format!("currentCommunicationPoint = {from} is not allowed: the instance is at {time}"));
+        }
+        let end = from + step;
+        if let Some(stop) = stop_time.filter(|stop| later(end, *stop, step)) {
+            return refuse(format!("a step of {step} from {from} is not allowed: stopTime is {stop}"));
+        }
+        if end <= from {
+            return refuse(format!("communicationStepSize = {step} is not allowed: too small to move on from {from}"));
+        }
+        let mut target = inputs;
+        let mut parameters = self.settings.parameters;
+        for variable in VARIABLES.iter() {
+            let Source::Input(row) = variable.source else { continue };
+            let rate = input_rates[row.input as usize];
+            if rate != 0.0 {
+                variable.set(&mut parameters, &mut target, &Value::Real(row.get(&inputs) + step * rate))?;
+            }
+        }
+        if let Err(refusal) = self.solve(target) {
+            if refusal.status == Status::Discard {
+                self.settings.phase = Phase::StepFailed;
+            }
+            return Err(refusal);
+        }
+        self.settings.inputs = target;
+        self.settings.last_rates = input_rates;
+        self.settings.input_rates = [0.0; 3];
+        self.settings.time = end;
+        Ok(())
+    }
+
+    /// fmi2GetRealStatus(fmi2LastSuccessfulTime).
+    pub fn last_successful_time(&self) -> Answer<f64> {
+        self.check(Call::GetStatus)?;
+        Ok(self.settings.time)
+    }
+
+    /// fmi2GetFMUstate.
+    pub fn save(&self) -> SavedState {
+        SavedState::new(&self.settings, self.simulation.as_ref())
+    }
+
+    /// fmi2SetFMUstate. On an error nothing changes.
+    pub fn restore(&mut self, saved: &SavedState) -> Answer<()> {
+        let Some(snapshot) = &saved.snapshot else {
+            self.simulation = None;
+            self.settings = saved.settings.clone();
+            return Ok(());
+        };
+        match &mut self.simulation {
+            Some(simulation) if *simulation.parameters() == saved.settings.parameters => {
+                simulation.restore(snapshot)?
+            }
+            slot => {
+                let mut simulation = Simulation::new(&saved.settings.parameters)?;
+                simulation.restore(snapshot)?;
+                *slot = Some(simulation);
+            }
+        }
+        self.settings = saved.settings.clone();
+        Ok(())
+    }
+
+    pub(super) fn solve_if_needed(&mut self) -> Answer<()> {
+        if self.settings.solved { Ok(()) } else { self.solve(self.settings.inputs) }
+    }
+
+    fn solve(&mut self, inputs: crate::parameters::Inputs) -> Answer<()> {
+        let simulation = match &mut self.simulation {
+            Some(simulation) => simulation,
+            slot => slot.insert(Simulation::new(&self.settings.parameters)?),
+        };
+        simulation.solve_steady(inputs)?;
+        self.settings.solved = true;
+        let outputs = simulation.outputs();
+        let line =
+            format!("solved {inputs:?}: {} Newton iterations, {:.6e} N/m", outputs.newton_iterations, outputs.load);
+        self.log.add(Status::Ok, Category::Solver, line);
+        Ok(())
+    }
+}
+
+pub(super) fn lookup(reference: u32) -> Answer<&'static Variable> {
+    match usize::try_from(reference).ok().and_then(|index| VARIABLES.get(index)) {
+        Some(variable) => Ok(variable),
+        None => refuse(format!("value reference {reference} is unknown; there are 0 to {}", VARIABLES.len() - 1)),
+    }
+}
+
+fn wrong_type(variable: &Variable, wanted: &str) -> String {
+    let actual = match variable.data_type() {
+        Type::Real => "a Real: use the functions for Real",
+        Type::Integer => "an Integer: use the functions for Integer",
+        Type::Boolean => "a Boolean: use the functions for Boolean",
+        Type::Enumeration(_) => "an Enumeration: use the functions for Integer",
+    };
+    format!("{} is no {wanted} but {actual}", variable.name)
+}
+
+/// Tells an importer, which knows the items of an enumeration as numbers, those numbers.
+fn counted(variable: &Variable, error: Error) -> Error {
+    match (variable.data_type(), error) {
+        (Type::Enumeration(items), Error::Value { name, value, .. }) => {
+            let items: Vec<_> = items.iter().zip(1..).map(|((word, _), number)| format!("{number} ({word})")).collect();
+            Error::Value { name, value, allowed: items.join(", ") }
+        }
+        (_, error) => error,
+    }
+}

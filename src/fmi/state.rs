@@ -1,0 +1,102 @@
+//! Saved states: in memory for fmi2GetFMUstate, as bytes for fmi2SerializeFMUstate.
+//!
+//! The bytes start with a check sum over the FMU's token, the crate's version and the payload. Bytes that were cut,
+//! altered, or written by another FMU or version are refused before anything is read from them.
+
+use uuid::Uuid;
+
+use crate::error::Error;
+use crate::fmi::description;
+use crate::fmi::phase::Phase;
+use crate::parameters::{Inputs, Parameters};
+use crate::simulation::{Simulation, Snapshot};
+
+/// Everything about an instance that is not the solver's.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Settings {
+    /// Where the instance is in its life.
+    pub phase: Phase,
+    /// Parameters as set so far.
+    pub parameters: Parameters,
+    /// Inputs as set so far; not always those of the last solution.
+    pub inputs: Inputs,
+    /// Time derivatives of the inputs for the next step.
+    pub input_rates: [f64; 3],
+    /// Time derivatives of the inputs during the last step.
+    pub last_rates: [f64; 3],
+    /// The communication point.
+    pub time: f64,
+    /// Where the experiment ends, if that was said.
+    pub stop_time: Option<f64>,
+    /// Whether the outputs belong to the inputs (in initialization mode), or there are any (later).
+    pub solved: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            phase: Phase::Instantiated,
+            parameters: Parameters::default(),
+            inputs: Inputs::default(),
+            input_rates: [0.0; 3],
+            last_rates: [0.0; 3],
+            time: 0.0,
+            stop_time: None,
+            solved: false,
+        }
+    }
+}
+
+/// The whole state of an instance.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SavedState {
+    pub(super) settings: Settings,
+    pub(super) snapshot: Option<Snapshot>,
+}
+
+const MAGIC: &[u8] = b"CartilageLineContact state ";
+const CHECK_SUM_LENGTH: usize = 16;
+
+impl SavedState {
+    pub(super) fn new(settings: &Settings, simulation: Option<&Simulation>) -> Self {
+        Self { settings: settings.clone(), snapshot: simulation.map(Simulation::snapshot) }
+    }
+
+    /// The bytes that [`SavedState::from_bytes`] reads.
+    ///
+    /// # Errors
+    /// [`Error::State`] where memory runs out.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
+        let payload = postcard::to_stdvec(self).map_err(|error| Error::State(error.to_string()))?;
+        Ok([MAGIC, check_sum(&payload).as_bytes(), &payload].concat())
+    }
+
+    /// Reads what [`SavedState::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// [`Error::State`] saying what is wrong with the bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        let refuse = |why: &str| Err(Error::State(why.into()));
+        let Some(rest) = bytes.strip_prefix(MAGIC) else {
+            return refuse("these bytes are no state of this FMU");
+        };
+        let Some((sum, payload)) = rest.split_at_checked(CHECK_SUM_LENGTH) else {
+            return refuse("the bytes end too early");
+        };
+        if sum != check_sum(payload).as_bytes() {
+            return refuse("the bytes were cut or altered, or another version of this FMU wrote them");
+        }
+        let state: Self = postcard::from_bytes(payload).map_err(|error| Error::State(error.to_string()))?;
+        state.settings.parameters.validate()?;
+        Ok(state)
+    }
+}
+
+/// Differs where the payload, the FMU's table of variables, or the version that wrote it differs.
+fn check_sum(payload: &[u8]) -> Uuid {
+    let writer = Uuid::new_v5(
+        &Uuid::NAMESPACE_OID,
+        format!("{} {}", description::token(), env!("CARGO_PKG_VERSION")).as_bytes(),
+    );
+    Uuid::new_v5(&writer, payload)
+}

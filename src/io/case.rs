@@ -1,0 +1,255 @@
+//! Case files: TOML whose keys are the names of the variables.
+//!
+//! ```toml
+//! penetration_depth = 12e-6     # m
+//! viscosity = 1e-3              # Pa s
+//! [both]                        # upper and lower together
+//! shear_modulus = 0.5e6         # Pa
+//! [upper]                       # wins over [both]
+//! thickness = 1.2e-3            # m
+//! [mesh]
+//! columns = 120
+//! ```
+//!
+//! What a file does not mention keeps its default. A mistake is reported with its line, the key, the value and what would
+//! have been allowed.
+
+use std::ops::Range;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+use crate::error::Error;
+use crate::parameters::{Inputs, Parameters, Value};
+use crate::variables;
+
+/// Parameters and inputs that belong together.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Case {
+    /// Bodies, lubricant, contact and numerics.
+    pub parameters: Parameters,
+    /// What the layers are made to do.
+    pub inputs: Inputs,
+}
+
+impl Case {
+    /// Reads a case file.
+    ///
+    /// # Errors
+    /// [`Error::File`] where it cannot be read, [`Error::Case`] where it has a mistake.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let file = path.display().to_string();
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::parse(&file, &text),
+            Err(error) => Err(Error::File { path: file, message: format!("could not read the case file: {error}") }),
+        }
+    }
+
+    /// Reads the text of a case file; `file` is what errors call it.
+    ///
+    /// # Errors
+    /// [`Error::Case`] with the line of the first mistake.
+    pub fn parse(file: &str, text: &str) -> Result<Self, Error> {
+        let line_of = |offset: usize| text.bytes().take(offset).filter(|&byte| byte == b'\n').count() + 1;
+        let mistake =
+            |offset: usize, message: String| Error::Case { file: file.into(), line: line_of(offset), message };
+        let table = DeTable::parse(text).map_err(|error| {
+            mistake(error.span().map_or(0, |span| span.start), format!("not valid TOML: {}", error.message()))
+        })?;
+
+        let mut entries = Vec::new();
+        flatten("", table.get_ref(), &mut entries);
+        // In the order of the file, but what is said of both bodies first.
+        entries.sort_by_key(|entry| (!entry.name.starts_with(BOTH), entry.key.start));
+
+        let mut case = Self::default();
+        for entry in &entries {
+            let value = entry.value.map_err(|what| {
+                mistake(entry.key.start, format!("`{}` is {what}, where one value is needed", entry.name))
+            });
+            let value = read(value?).map_err(|given| {
+                mistake(entry.key.start, format!("{} = {given} is not allowed: {}", entry.name, allowed(&entry.name)))
+            })?;
+            case.set(&entry.name, &value).map_err(|error| mistake(entry.key.start, error.to_string()))?;
+        }
+        case.parameters.validate().map_err(|error| {
+            // A rule that ties two values together: the line of the one that it names.
+            let named = |entry: &&Entry| match &error {
+                Error::Value { name, .. } => bodies(&entry.name).iter().any(|full| full == name),
+                _ => false,
+            };
+            let entry = entries.iter().rev().find(named);
+            mistake(entry.map_or(0, |entry| entry.key.start), error.to_string())
+        })?;
+        Ok(case)
+    }
+
+    /// Sets a variable by its name; `both.thickness` and the like set the two bodies. On an error nothing changes.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`], or [`Error::Value`] with what is allowed.
+    pub fn set(&mut self, name: &str, value: &Value) -> Result<(), Error> {
+        let mut changed = *self;
+        for full in bodies(name) {
+            variables::set(&mut changed.parameters, &mut changed.inputs, &full, value)
+                .map_err(|error| named_as_given(error, name, &full))?;
+        }
+        *self = changed;
+        Ok(())
+    }
+}
+
+const BOTH: &str = "both.";
+
+/// The variables that a name in a case stands for.
+fn bodies(name: &str) -> Vec<String> {
+    match name.strip_prefix(BOTH) {
+        Some(rest) => vec![format!("upper.{rest}"), format!("lower.{rest}")],
+        None => vec![name.into()],
+    }
+}
+
+/// Says `both.` where that is what was written.
+fn named_as_given(error: Error, given: &str, full: &str) -> Error {
+    match error {
+        Error::Value { value, allowed, .. } => Error::Value { name: given.into(), value, allowed },
+        Error::UnknownName { hint, .. } if given != full => {
+            Error::UnknownName { name: given.into(), hint: hint.replace("`upper.", "`both.") }
+        }
+        other => other,
+    }
+}
+
+fn allowed(name: &str) -> String {
+    let full = bodies(name).remove(0);
+    match variables::find(&full) {
+        Ok(variable) => variable.allowed(),
+        Err(error) => named_as_given(error, name, &full).to_string(),
+    }
+}
+
+struct Entry<'a> {
+    /// Full name, such as `mesh.columns`.
+    name: String,
+    /// Where the key is.
+    key: Range<usize>,
+    /// The value, or what is there instead of one.
+    value: Result<&'a DeValue<'a>, &'static str>,
+}
+
+fn flatten<'a>(prefix: &str, table: &'a DeTable<'a>, entries: &mut Vec<Entry<'a>>) {
+    let row = |(key, value): (&'a Spanned<DeString<'a>>, &'a Spanned<DeValue<'a>>)| {
+        (format!("{prefix}{}", key.get_ref()), key.span(), value.get_ref())
+    };
+    for (name, key, value) in table.iter().map(row) {
+        match value {
+            DeValue::Table(inner) if variables::find(&name).is_err() => flatten(&format!("{name}."), inner, entries),
+            DeValue::Table(_) => entries.push(Entry { name, key, value: Err("a table") }),
+            _ => entries.push(Entry { name, key, value: Ok(value) }),
+        }
+    }
+}
+
+/// A value, or how it was written where it is of a type that no variable has.
+fn read(value: &DeValue) -> Result<Value, String> {
+    match value {
+        DeValue::String(text) => Ok(Value::Text(text.to_string())),
+        DeValue::Boolean(value) => Ok(Value::Boolean(*value)),
+        DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix())
+            .map(Value::Integer)
+            .map_err(|_| number.as_str().to_owned()),
+        DeValue::Float(number) => number.as_str().parse().map(Value::Real).map_err(|_| number.as_str().to_owned()),
+        DeValue::Datetime(date) => Err(date.to_string()),
+        DeValue::Array(_) => Err("[...]".into()),
+        DeValue::Table(_) => Err("{...}".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> String {
+        Case::parse("case.toml", text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn keys_are_names_of_variables() {
+        let text = "penetration_depth = 12e-6\nformulation = 'consistent'\n\
+                    boundary_friction_loads_tissue = false\nupper.thickness = 2e-3\n[mesh]\ncolumns = 60\npressure_order = 1";
+        let case = Case::parse("case.toml", text).unwrap();
+        assert_eq!(case.inputs.penetration_depth, 12e-6);
+        assert_eq!((case.parameters.mesh.columns, case.parameters.pressure_order), (60, 1));
+        assert_eq!((case.parameters.upper.thickness, case.parameters.lower.thickness), (2e-3, 1e-3));
+        assert!(!case.parameters.boundary_friction_loads_tissue);
+        assert_eq!(Case::parse("empty.toml", "").unwrap(), Case::default());
+    }
+
+    #[test]
+    fn one_body_wins_over_both_wherever_it_stands() {
+        let case =
+            Case::parse("f", "[lower]\nthickness = 3e-3\n[both]\nthickness = 2e-3\nshear_modulus = 1e6").unwrap();
+        assert_eq!((case.parameters.upper.thickness, case.parameters.lower.thickness), (2e-3, 3e-3));
+        assert_eq!((case.parameters.upper.shear_modulus, case.parameters.lower.shear_modulus), (1e6, 1e6));
+    }
+
+    #[test]
+    fn mistakes_name_line_key_value_and_what_is_allowed() {
+        for (text, expected) in [
+            (
+                "# first\n[upper]\nshear_modulos = 5e5",
+                "case.toml:3: unknown variable `upper.shear_modulos`; did you mean `upper.shear_modulus`?",
+            ),
+            (
+                "[both]\nshear_modulos = 5e5",
+                "case.toml:2: unknown variable `both.shear_modulos`; did you mean `both.shear_modulus`?",
+            ),
+            ("viscosity = -1.0", "case.toml:1: viscosity = -1 is not allowed: a number from 1e-6 to 1e3 Pa.s"),
+            ("viscosity = nan", "case.toml:1: viscosity = NaN is not allowed: a number from 1e-6 to 1e3 Pa.s"),
+            (
+                "\n\nviscosity = 'thin'",
+                "case.toml:3: viscosity = \"thin\" is not allowed: a number from 1e-6 to 1e3 Pa.s",
+            ),
+            ("viscosity = [1e-3]", "case.toml:1: viscosity = [...] is not allowed: a number from 1e-6 to 1e3 Pa.s"),
+            (
+                "viscosity = 2020-01-01",
+                "case.toml:1: viscosity = 2020-01-01 is not allowed: a number from 1e-6 to 1e3 Pa.s",
+            ),
+            ("[viscosity]\nwater = 1", "case.toml:1: `viscosity` is a table, where one value is needed"),
+            ("mesh.columns = 12.5", "case.toml:1: mesh.columns = 12.5 is not allowed: a whole number from 8 to 2000"),
+            (
+                "mesh.columns = 99999999999999999999",
+                "case.toml:1: mesh.columns = 99999999999999999999 is not allowed: a whole number from 8 to 2000",
+            ),
+            (
+                "formulation = 'papr'",
+                "case.toml:1: formulation = \"papr\" is not allowed: one of \"paper\", \"consistent\"",
+            ),
+            ("load = 3.0", "case.toml:1: load = 3 is not allowed: it is a result and cannot be set"),
+            (
+                "[both]\nbiot_coefficient = 2",
+                "case.toml:2: both.biot_coefficient = 2 is not allowed: a number from 0e0 to 1e0",
+            ),
+        ] {
+            assert_eq!(message(text), expected);
+        }
+        let error = message("viscosity = 1e-3\n[upper\nthickness = 1");
+        assert!(error.starts_with("case.toml:2: not valid TOML: "), "{error}");
+        let error = message("viscosity = 1e-3\nviscosity = 1e-3");
+        assert!(error.starts_with("case.toml:2: not valid TOML: duplicate key"), "{error}");
+        let error = message("width = 1\n[both]\nthickness = 0.09");
+        assert!(error.starts_with("case.toml:3: upper.thickness = 0.09 is not allowed: less than half of"), "{error}");
+    }
+
+    #[test]
+    fn the_first_mistake_of_the_file_is_reported() {
+        assert!(message("width = 1\nviscosity = -1\ndensity = -1").starts_with("case.toml:2:"));
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_named() {
+        let error = Case::load(Path::new("no/such/case.toml")).unwrap_err().to_string();
+        assert!(error.starts_with("no/such/case.toml: could not read the case file"), "{error}");
+    }
+}

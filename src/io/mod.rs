@@ -1,0 +1,3 @@
+//! Files that people write and read.
+
+pub mod case;

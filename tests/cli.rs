@@ -1,0 +1,239 @@
+//! The command line: what it prints, what it refuses, and with which exit code.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use cartilage_contact::io::case::Case;
+use cartilage_contact::parameters::{Formulation, Parameters};
+use cartilage_contact::simulation::Simulation;
+use cartilage_contact::variables;
+
+/// A small mesh, so that a solution takes no time.
+const COARSE: &str = "--set=mesh.columns=24 --set=mesh.rows=3";
+
+fn run(arguments: &str) -> Output {
+    run_in(Path::new("."), arguments)
+}
+
+fn run_in(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cartilage-contact"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Standard error of a command that has to end with this exit code.
+fn refused(arguments: &str, code: i32) -> String {
+    let output = run(arguments);
+    let message = String::from_utf8(output.stderr.clone()).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments}: {message}{}", out(&output));
+    assert_eq!(out(&output), "", "{arguments}: nothing but the message");
+    message
+}
+
+fn json(arguments: &str) -> serde_json::Map<String, serde_json::Value> {
+    let output = run(&format!("solve --json {COARSE} {arguments}"));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    match serde_json::from_str(&out(&output)).unwrap() {
+        serde_json::Value::Object(object) => object,
+        other => panic!("not an object: {other}"),
+    }
+}
+
+/// A case file in a folder that goes with the returned guard.
+fn case_file(text: &str) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text).unwrap();
+    (folder, path.display().to_string())
+}
+
+#[test]
+fn help_teaches() {
+    let text = out(&run("--help"));
+    for expected in
+        ["solve", "package", "penetration depth", "negative is clearance", "Examples:", "SI units", "Exit code"]
+    {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    let text = out(&run("solve --help"));
+    for row in variables::VARIABLES.iter().filter(|row| row.is_scalar()) {
+        assert!(text.contains(&row.name), "{} is missing from `solve --help`", row.name);
+    }
+    assert!(text.contains("upper.shear_modulus = 500000: a number from 1e2 to 1e10 Pa"), "{text}");
+    assert!(out(&run("--version")).starts_with("cartilage-contact "));
+}
+
+#[test]
+fn json_has_the_names_of_the_variables_and_finite_numbers() {
+    let object = json("--penetration-depth=-5e-6");
+    for name in ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"] {
+        assert!(object[name].is_number(), "{name}");
+    }
+    for row in variables::scalar_outputs() {
+        let value = &object[&row.name];
+        let expected = if row.name == "lubrication_regime" { value.is_string() } else { value.is_number() };
+        assert!(expected, "{} is {value}", row.name);
+    }
+    for name in ["position", "film_thickness", "fluid_pressure", "contact_pressure"] {
+        let stations = object[name].as_array().unwrap();
+        assert_eq!(stations.len(), 101, "{name}");
+        assert!(stations.iter().all(serde_json::Value::is_number), "{name}");
+    }
+    assert_eq!(object.len(), 3 + variables::scalar_outputs().count() + 4);
+    assert_eq!(object["penetration_depth"].as_f64(), Some(-5e-6));
+}
+
+#[test]
+fn flags_win_over_the_case_which_wins_over_defaults() {
+    let (_folder, path) = case_file("penetration_depth = -20e-6\nsliding_speed = 0.1\n[both]\nthickness = 1.5e-3");
+    let object = json("");
+    assert_eq!(object["penetration_depth"].as_f64(), Some(-10e-6));
+    assert_eq!(object["sliding_speed"].as_f64(), Some(0.2));
+    let object = json(&format!("--case {path}"));
+    assert_eq!(object["penetration_depth"].as_f64(), Some(-20e-6));
+    assert_eq!(object["sliding_speed"].as_f64(), Some(0.1));
+    let object = json(&format!("--case {path} --penetration-depth -15e-6 --set sliding_speed=0.3"));
+    assert_eq!(object["penetration_depth"].as_f64(), Some(-15e-6));
+    assert_eq!(object["sliding_speed"].as_f64(), Some(0.3));
+    let object = json(&format!("--case {path} --set sliding_speed=0.3 --sliding-speed 0.4"));
+    assert_eq!(object["sliding_speed"].as_f64(), Some(0.4), "the named flag wins over --set");
+}
+
+#[test]
+fn the_table_shows_every_scalar_with_a_unit_that_people_use() {
+    let output = run(&format!("solve {COARSE} --penetration-depth -5e-6"));
+    assert!(output.status.success());
+    let text = out(&output);
+    let line = text.lines().find(|line| line.starts_with("penetration_depth ")).unwrap();
+    let words: Vec<_> = line.split_whitespace().collect();
+    assert_eq!(&words[..3], ["penetration_depth", "-5", "um"]);
+    for row in variables::scalar_outputs() {
+        assert!(text.lines().any(|line| line.starts_with(&format!("{} ", row.name))), "{}", row.name);
+    }
+}
+
+#[test]
+fn wrong_usage_is_explained_with_exit_code_2() {
+    for (arguments, expected) in [
+        ("solve --penetration-depth deep", "invalid value 'deep'"),
+        ("solve --penetration-depth 1", "penetration_depth = 1 is not allowed: a number from -1e-2 to 1e-2 m"),
+        ("solve --sliding-speed nan", "sliding_speed = NaN is not allowed: a number from -1e1 to 1e1 m/s"),
+        ("solve --set viscosity", "--set viscosity: write it as NAME=VALUE"),
+        ("solve --set viscosity=thin", "viscosity = \"thin\" is not allowed: a number from 1e-6 to 1e3 Pa.s"),
+        ("solve --set mesh.rows=2.5", "mesh.rows = 2.5 is not allowed: a whole number from 1 to 200"),
+        ("solve --set both.thicknes=1e-3", "unknown variable `both.thicknes`; did you mean `both.thickness`?"),
+        ("solve --set load=1", "load = 1 is not allowed: it is a result and cannot be set"),
+        ("solve --set both.thickness=0.08", "less than half of upper.outer_radius"),
+        ("solve --case no/such/case.toml", "no/such/case.toml: could not read the case file"),
+        ("sovle", "unrecognized subcommand 'sovle'"),
+        ("solve --depth 1e-6", "unexpected argument '--depth'"),
+    ] {
+        let message = refused(arguments, 2);
+        assert!(message.contains(expected), "{arguments}: {message}");
+    }
+}
+
+#[test]
+fn mistakes_in_a_case_are_reported_with_file_line_key_and_what_is_allowed() {
+    for (text, expected) in [
+        (
+            "viscosity = 1e-3\n[upper]\nshear_moduls = 1e6",
+            "3: unknown variable `upper.shear_moduls`; did you mean `upper.shear_modulus`?",
+        ),
+        (
+            "\nformulation = \"printed\"",
+            "2: formulation = \"printed\" is not allowed: one of \"paper\", \"consistent\"",
+        ),
+        ("viscosity = \"thin\"", "1: viscosity = \"thin\" is not allowed: a number from 1e-6 to 1e3 Pa.s"),
+        ("width = 1.0\n\nviscosity = -1.0", "3: viscosity = -1 is not allowed: a number from 1e-6 to 1e3 Pa.s"),
+        ("penetration_depth = 0.5", "1: penetration_depth = 0.5 is not allowed: a number from -1e-2 to 1e-2 m"),
+        ("[mesh]\ncolumns = = 3", "2: not valid TOML: "),
+    ] {
+        let (_folder, path) = case_file(text);
+        let message = refused(&format!("solve --case {path}"), 2);
+        assert!(message.starts_with(&format!("error: {path}:{expected}")), "{text:?}: {message}");
+    }
+}
+
+#[test]
+fn a_library_that_was_not_built_is_named_with_the_command_that_builds_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("x.fmu").display().to_string();
+    let message = refused(&format!("package --library no/such/library.so --output {output}"), 1);
+    assert!(message.contains("no/such/library.so"), "{message}");
+    assert!(message.contains("cargo build --release"), "{message}");
+    assert!(!Path::new(&output).exists());
+}
+
+#[test]
+fn what_cannot_be_solved_is_explained_with_exit_code_1() {
+    // Deeper than the two layers are thick.
+    let message = refused(&format!("solve {COARSE} --penetration-depth 9e-3"), 1);
+    assert!(message.starts_with("error: no converged solution at penetration_depth = 9e-3 m"), "{message}");
+    assert!(message.contains("reached penetration_depth ="), "{message}");
+}
+
+#[test]
+fn the_examples_are_cases() {
+    let mut names: Vec<_> = std::fs::read_dir("examples")
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .collect();
+    names.sort();
+    assert_eq!(names.len(), 3, "{names:?}");
+    let cases: Vec<_> = names.iter().map(|path| Case::load(path).unwrap()).collect();
+    let [paper, paper_mesh, tissue] = &cases[..] else { panic!("three cases") };
+
+    assert_eq!(paper.parameters, Parameters::default(), "Table 2 is the default");
+    assert_eq!((paper_mesh.parameters.mesh.columns, paper_mesh.parameters.mesh.rows), (300, 30));
+    assert_eq!((paper_mesh.parameters.mesh.column_grading, paper_mesh.parameters.mesh.row_grading), (0.0, 0.0));
+    assert_eq!(tissue.parameters.formulation, Formulation::Consistent);
+    assert_eq!((tissue.parameters.pressure_order, tissue.parameters.lower.permeability), (1, 1e-18));
+    for case in &cases {
+        Simulation::new(&case.parameters).unwrap();
+    }
+}
+
+#[test]
+fn without_arguments_it_builds_and_drives_the_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_in(folder.path(), "");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = out(&output);
+    for expected in
+        ["Built target/fmu/CartilageLineContact.fmu", "depth", "regime", "Wrote target/fmu/press_and_release.csv"]
+    {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    let made = folder.path().join("target/fmu");
+    let mut table = csv::Reader::from_path(made.join("press_and_release.csv")).unwrap();
+    let header: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+    assert_eq!(header[..4], ["time", "penetration_depth", "sliding_speed", "slide_to_roll_ratio"]);
+    for row in variables::scalar_outputs() {
+        assert!(header.contains(&row.name), "{} is not in the CSV", row.name);
+    }
+    let depths: Vec<f64> = table.records().map(|record| record.unwrap()[1].parse().unwrap()).collect();
+    assert_eq!(depths.len(), 81);
+    assert_eq!((depths[0], depths[40], depths[80]), (-10.0 * 1e-6, 30.0 * 1e-6, -10.0 * 1e-6));
+    let [svg, png] =
+        ["svg", "png"].map(|ending| std::fs::read(made.join("press_and_release").with_extension(ending)).unwrap());
+    assert!(svg.starts_with(b"<svg") && png.starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn package_writes_the_fmu_and_says_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_in(folder.path(), "package --output some/folder/contact.fmu");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(out(&output).trim(), "some/folder/contact.fmu");
+    assert!(std::fs::read(folder.path().join("some/folder/contact.fmu")).unwrap().starts_with(b"PK"));
+}

@@ -1,0 +1,145 @@
+"""What no validator looks at, and what they do."""
+
+import math
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+INPUTS = {"penetration_depth", "sliding_speed", "slide_to_roll_ratio"}
+SCALAR_OUTPUTS = {
+    "load", "fluid_load", "solid_load", "normal_force", "upper_friction_force", "lower_friction_force",
+    "friction_coefficient", "fluid_friction_coefficient", "fluid_load_support", "minimum_film_thickness",
+    "central_film_thickness", "contact_length", "maximum_fluid_pressure", "minimum_fluid_pressure",
+    "maximum_contact_pressure", "maximum_von_mises_stress", "sommerfeld_number", "contact_stiffness",
+    "lubrication_regime", "newton_iterations",
+}  # fmt: skip
+PROFILES = ["position", "film_thickness", "fluid_pressure", "contact_pressure"]
+
+
+@pytest.fixture(scope="module")
+def xml(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        return etree.fromstring(archive.read("modelDescription.xml"))
+
+
+def test_fmpy_finds_nothing_wrong(fmu):
+    assert validate_fmu(fmu) == []
+
+
+def test_fmu_manipulation_toolbox_finds_nothing_wrong(fmu):
+    command = [sys.executable, "-m", "fmu_manipulation_toolbox.cli.fmutool", "-input", fmu, "-check"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    report = done.stdout + done.stderr
+    assert "compliant" in report.lower(), report
+    assert not any(word in report for word in ["ERROR", "WARNING", "CRITICAL"]), report
+
+
+def test_variables_have_the_promised_names_and_roles(description):
+    by_causality = {}
+    for variable in description.modelVariables:
+        by_causality.setdefault(variable.causality, set()).add(variable.name)
+    assert by_causality["input"] == INPUTS
+    assert SCALAR_OUTPUTS <= by_causality["output"]
+    assert {f"{name}[{i}]" for name in PROFILES for i in range(1, 102)} <= by_causality["output"]
+    for body in ["upper", "lower"]:
+        for name in "outer_radius thickness shear_modulus bulk_modulus permeability biot_coefficient".split():
+            assert f"{body}.{name}" in by_causality["parameter"]
+    assert {"width", "formulation", "viscosity", "tolerance"} <= by_causality["parameter"]
+
+
+def test_every_length_pressure_force_and_speed_has_a_unit(description):
+    dimensionless = ("coefficient", "support", "number", "ratio", "grading", "tolerance")
+    for variable in description.modelVariables:
+        if variable.type == "Real":
+            assert (variable.unit is None) == variable.name.endswith(dimensionless), variable.name
+
+
+def test_display_units_run_from_si(description):
+    for unit in description.unitDefinitions:
+        for display in unit.displayUnits:
+            expected = {"mm": 1e3, "um": 1e6, "mm/s": 1e3, "deg": 180 / math.pi, "kPa": 1e-3, "MPa": 1e-6}
+            assert float(display.factor) == pytest.approx(expected[display.name], rel=1e-12)
+
+
+def test_start_values_lie_in_their_ranges_and_zero_is_an_input(description):
+    for variable in description.modelVariables:
+        if variable.min is not None:
+            low, start, high = float(variable.min), float(variable.start), float(variable.max)
+            assert low < high and low <= start <= high, variable.name
+            if variable.causality == "input":
+                assert low <= 0 <= high
+
+
+def test_inputs_have_a_start_and_no_initial(xml):
+    for variable in xml.iterfind(".//ScalarVariable[@causality='input']"):
+        assert "initial" not in variable.attrib and "start" in variable[0].attrib
+
+
+def test_references_and_names_are_unique(description):
+    variables = description.modelVariables
+    assert len({variable.valueReference for variable in variables}) == len(variables)
+    assert len({variable.name for variable in variables}) == len(variables)
+
+
+def test_structure_lists_exactly_the_outputs_depending_on_inputs_in_order(xml):
+    variables = xml.findall(".//ScalarVariable")
+    outputs = [i for i, variable in enumerate(variables, 1) if variable.get("causality") == "output"]
+    inputs = {i for i, variable in enumerate(variables, 1) if variable.get("causality") == "input"}
+    for section in ["Outputs", "InitialUnknowns"]:
+        unknowns = xml.findall(f".//ModelStructure/{section}/Unknown")
+        assert [int(unknown.get("index")) for unknown in unknowns] == outputs
+        for unknown in unknowns:
+            dependencies = [int(index) for index in unknown.get("dependencies").split()]
+            assert dependencies == sorted(set(dependencies)) and set(dependencies) <= inputs
+
+
+def test_flags_say_what_works(xml):
+    flags = xml.find("CoSimulation").attrib
+    for flag in [
+        "canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canNotUseMemoryManagementFunctions",
+        "canGetAndSetFMUstate", "canSerializeFMUstate", "providesDirectionalDerivative",
+    ]:  # fmt: skip
+        assert flags[flag] == "true"
+    assert flags["maxOutputDerivativeOrder"] == "1"
+
+
+def test_head_is_well_formed(xml):
+    assert xml.get("fmiVersion") == "2.0"
+    assert xml.get("generationDateAndTime").endswith("Z")
+    assert not set("{}") & set(xml.get("guid"))
+    names = [category.get("name") for category in xml.iterfind(".//LogCategories/Category")]
+    assert len(names) == len(set(names)) > 0
+    experiment = {key: float(value) for key, value in xml.find("DefaultExperiment").attrib.items()}
+    assert experiment["startTime"] < experiment["stopTime"]
+    assert 0 < experiment["stepSize"] < experiment["stopTime"] - experiment["startTime"]
+
+
+def test_archive_has_plain_entries_with_one_date(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        entries = archive.infolist()
+        assert archive.testzip() is None
+    names = [entry.filename for entry in entries]
+    assert len(names) == len(set(names))
+    assert {
+        "modelDescription.xml", "model.png", "binaries/linux64/CartilageLineContact.so", "documentation/index.html",
+        "documentation/licenses/license.txt", "documentation/licenses/third-party.txt",
+        "extra/org.fmi-standard.fmi-ls-ref/result.csv",
+    } <= set(names)  # fmt: skip
+    for entry in entries:
+        assert not entry.filename.startswith(("/", "./")) and "\\" not in entry.filename and ".." not in entry.filename
+        assert entry.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+        assert (entry.external_attr >> 16) & 0o170000 in (0, 0o100000), "links and devices are not allowed"
+        assert entry.date_time == (1980, 1, 1, 0, 0, 0)
+        assert entry.flag_bits & 0x1 == 0, "encrypted"
+
+
+def test_the_reference_result_has_the_columns_of_the_outputs(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        lines = archive.read("extra/org.fmi-standard.fmi-ls-ref/result.csv").decode().splitlines()
+    assert SCALAR_OUTPUTS <= set(lines[0].split(","))
+    assert np.isfinite(np.genfromtxt(lines, delimiter=",", names=True).tolist()).all()
