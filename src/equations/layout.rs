@@ -54,7 +54,9 @@ impl Layout {
             quantities.push(quantity);
             (quantities.len() - 1) as u32
         };
-        let has_pressure = |i: usize, j: usize| i > 0 && i + 1 < stations && (order == 2 || (i % 2 == 0 && j % 2 == 0));
+        let has_pressure = |i: usize, j: usize| {
+            i > 0 && i + 1 < stations && (order == 2 || (i.is_multiple_of(2) && j.is_multiple_of(2)))
+        };
         let mut gap = Vec::new();
         let mut mean = Vec::new();
         let mut horizontal = vec![vec![FIXED; nodes]; bodies];

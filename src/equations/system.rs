@@ -277,7 +277,7 @@ impl System {
         for (value, number) in local.iter().zip(cell).filter(|(_, n)| **n != FIXED) {
             values[*number as usize] += value;
         }
-        if element % rows == 0 {
+        if element.is_multiple_of(rows) {
             for a in 0..3 {
                 let force = local[NODES + a];
                 values[cell[NODES + a] as usize] += (0.5 * layer.side - 1.0) * force;
@@ -305,7 +305,7 @@ impl System {
                 let rate = self.volume_rate(rates, body, element);
                 let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
                 layer.tissue.element(&layer.mesh, element, &at, speeds[body], &rate, terms)?;
-                if element % layer.mesh.rows == 0 && layer.tissue.consistent {
+                if element.is_multiple_of(layer.mesh.rows) && layer.tissue.consistent {
                     let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
                     tissue::surface_pressure(&layer.mesh, element, layer.side, &at, terms);
                 }
@@ -431,7 +431,7 @@ impl System {
         if inverted {
             tangent.fill(f64::NAN);
         }
-        if element % layer.mesh.rows == 0 && layer.tissue.consistent {
+        if element.is_multiple_of(layer.mesh.rows) && layer.tissue.consistent {
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
             tissue::surface_pressure(&layer.mesh, element, layer.side, at, terms);
         }
@@ -653,7 +653,7 @@ impl System {
         self.contact_stiffness
     }
 
-    /// Subtracts an update from the unknowns. Where the film is thicker than [`THIN_FILM`] the gap closes to no less than a tenth
+    /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes to no less than a tenth
     /// and opens to no more than three times what it was: its conductance goes with the cube of it, so that a tangent says nothing
     /// about larger changes. The tissue's share of the update, which is nearly linear, is made good by the next iteration.
     pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
@@ -670,7 +670,7 @@ impl System {
     }
 
     /// Size of an update relative to the fields: displacements and pressures to their largest values, gaps each to itself (and to
-    /// [`THIN_FILM`] where the surfaces all but touch).
+    /// `THIN_FILM` where the surfaces all but touch).
     pub fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
         // What is below a millionth of the layer's thickness or modulus is no displacement or pressure to speak of.
         let mut displacement = (1e-6 * self.thickness, 0.0_f64);
