@@ -8,7 +8,7 @@ use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
 use crate::laws::Formulation;
 use crate::laws::contact::{is_active, mobilised_friction};
 use crate::laws::neo_hookean::NeoHookean;
-use crate::parameters::{Body, Inputs, Parameters};
+use crate::parameters::{Body, Inputs, Mesh, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal, Singular};
 
 /// One body: its mesh and its material.
@@ -51,6 +51,8 @@ pub struct System {
     contact_stiffness: f64,
     stress_scale: f64,
     thickness: f64,
+    /// Height of the levels above the bone, as a share of the thickness.
+    height: Vec<f64>,
     linear: Multifrontal,
 }
 
@@ -92,15 +94,19 @@ fn boundary_friction_with_slopes(parameters: &Parameters, inputs: &Inputs) -> (f
     (m * p.boundary_friction_coefficient, slopes.map(|s| s * p.boundary_friction_coefficient))
 }
 
+/// Depths of the node levels below the surface of a layer of this thickness [m].
+fn levels_below_surface(mesh: &Mesh, thickness: f64) -> Vec<f64> {
+    quadratic_stations(mesh.rows as usize, |j| {
+        thickness * graded(j as f64 / f64::from(mesh.rows), mesh.row_grading)
+    })
+}
+
 impl Layer {
     fn new(parameters: &Parameters, body: &Body, side: f64, stations: &[f64]) -> Self {
         let consistent = parameters.formulation == Formulation::Consistent;
         let alpha = body.biot_coefficient;
         let (isochoric, volumetric) = if consistent { (1.0, 1.0) } else { (alpha, 1.0 - alpha) };
-        let numerics = &parameters.mesh;
-        let depths = quadratic_stations(numerics.rows as usize, |j| {
-            body.thickness * graded(j as f64 / f64::from(numerics.rows), numerics.row_grading)
-        });
+        let depths = levels_below_surface(&parameters.mesh, body.thickness);
         Self {
             mesh: LayerMesh::sector(stations, &depths, body.outer_radius, side, parameters.pressure_order),
             tissue: Tissue {
@@ -176,6 +182,7 @@ impl System {
             contact_stiffness: modulus / thickness,
             stress_scale: modulus,
             thickness,
+            height: levels_below_surface(&p.mesh, 1.0).into_iter().map(|depth| 1.0 - depth).collect(),
             layout,
             linear,
         }
@@ -655,16 +662,24 @@ impl System {
 
     /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes to no less than a tenth
     /// and opens to no more than three times what it was: its conductance goes with the cube of it, so that a tangent says nothing
-    /// about larger changes. The tissue's share of the update, which is nearly linear, is made good by the next iteration.
+    /// about larger changes. The tissue below follows, less and less towards the bone, so that no element is turned inside out.
     pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
         let thin = THIN_FILM * self.thickness;
         let gaps: Vec<f64> = self.layout.gap.iter().map(|number| unknowns[*number as usize]).collect();
         unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
-        for (i, (number, before)) in self.layout.gap.iter().zip(gaps).enumerate() {
-            let gap = &mut unknowns[*number as usize];
-            *gap = gap.min((3.0 * before).max(5.0 * thin));
-            if !active[i] && before > thin {
-                *gap = gap.max(0.1 * before);
+        for (station, before) in gaps.into_iter().enumerate() {
+            let gap = &mut unknowns[self.layout.gap[station] as usize];
+            let smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { 0.1 * before };
+            let limited = gap.min((3.0 * before).max(5.0 * thin)).max(smallest);
+            let correction = limited - *gap;
+            *gap = limited;
+            if correction != 0.0 {
+                for (layer, vertical) in self.layers.iter().zip(&self.layout.vertical) {
+                    let column = &vertical[station * self.height.len()..(station + 1) * self.height.len()];
+                    for (number, height) in column.iter().zip(&self.height).filter(|(n, _)| **n != FIXED) {
+                        unknowns[*number as usize] += 0.5 * layer.side * correction * height;
+                    }
+                }
             }
         }
     }
