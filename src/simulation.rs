@@ -57,6 +57,12 @@ const WARM_ITERATIONS: usize = 12;
 /// Most Newton iterations from rest, which takes ten to fifteen.
 const COLD_ITERATIONS: usize = 25;
 
+/// Most Newton iterations of one step in time on the way to a steady state, and of all of them.
+const RELAXING_ITERATIONS: usize = 10;
+/// How far the bones approach in one such step, as a share of the layers' thickness.
+const RELAXING_APPROACH: f64 = 0.02;
+const LONGEST_RELAXATION: usize = 2000;
+
 impl Simulation {
     /// Meshes the two bodies. Nothing is solved yet; the outputs are zero.
     ///
@@ -123,33 +129,33 @@ impl Simulation {
             None => self.rest(&inputs),
         };
         let start = state.inputs;
-        let mut cold = self.state.is_some();
+        let mut rest = self.state.is_some().then(|| self.rest(&inputs));
         let result = continuation::advance(|to| {
             let target = between(&start, &inputs, to);
             let limit = if self.state.is_some() { WARM_ITERATIONS } else { COLD_ITERATIONS };
             let (mut next, spent) = self.step(&state, &target, limit);
             iterations += spent;
-            if next.is_err() && std::mem::take(&mut cold) {
+            let mut reached = to;
+            if let (Err(_), Some(rest)) = (&next, rest.take()) {
                 // Surfaces close more readily than they part: from rest even far targets are often reached at once.
-                let rest = self.rest(&inputs);
                 let (whole, spent) = self.step(&rest, &inputs, COLD_ITERATIONS);
                 iterations += spent;
-                if let Ok(solved) = whole {
-                    state = solved;
-                    return Ok(1.0);
+                if whole.is_ok() {
+                    (next, reached) = (whole, 1.0);
                 }
-                next = whole;
             }
             state = next?;
-            Ok(to)
+            Ok(reached)
         });
         if let Err(continuation::Stuck { fraction, reason }) = result {
-            return Err(Error::NotConverged {
+            let (relaxed, spent) = self.relax(&state, &inputs);
+            iterations += spent;
+            state = relaxed.map_err(|_| Error::NotConverged {
                 requested: inputs.to_string(),
                 reached: state.inputs.to_string(),
                 fraction,
                 reason,
-            });
+            })?;
         }
         state.iterations = iterations as i32;
         self.accept(state)
@@ -207,9 +213,55 @@ impl Simulation {
         }
     }
 
+    /// Steady state as the end of a motion in time: squeeze and drainage damp what Newton's method alone would overshoot. The
+    /// bones approach bit by bit; the steps of backward Euler grow as they succeed, until time plays no part.
+    fn relax(&mut self, from: &State, target: &Inputs) -> (Result<State, String>, usize) {
+        let mirrored = from.mirrored && self.may_mirror(target);
+        let mut state = self.converted(from.clone(), mirrored);
+        let mut before = self.system(mirrored).contents(&state.unknowns, &state.inputs);
+        let approach = (target.penetration_depth - from.inputs.penetration_depth).abs();
+        let thickness = self.parameters.upper.thickness.min(self.parameters.lower.thickness);
+        let stride = (RELAXING_APPROACH * thickness / approach).min(1.0);
+        let (mut step, mut done, mut patience, mut quick, mut spent) = (1e-5, 0.0, 0, 0, 0);
+        while quick < 3 {
+            let next = f64::min(done + stride, 1.0);
+            let inputs = between(&from.inputs, target, next);
+            let rates = Rates::backward_euler(step, &before);
+            let mut guess = state.clone();
+            let approach = inputs.penetration_depth - state.inputs.penetration_depth;
+            self.system(mirrored).compress(&mut guess.unknowns, approach);
+            let (result, iterations) = self.solve_with(guess, &inputs, RELAXING_ITERATIONS, Some(&rates), 1e-2);
+            spent += iterations;
+            match result {
+                Ok(solved) => {
+                    state = solved;
+                    before = self.system(mirrored).contents(&state.unknowns, &inputs);
+                    patience -= 1;
+                    if patience < 0 {
+                        step *= if iterations < 5 { 2.0 } else { 1.2 };
+                    }
+                    quick = if done == 1.0 && iterations < 2 { quick + 1 } else { 0 };
+                    done = next;
+                }
+                Err(reason) if step < 1e-10 || spent > LONGEST_RELAXATION => return (Err(reason), spent),
+                Err(_) => {
+                    step /= 3.0;
+                    patience = 3;
+                }
+            }
+        }
+        let (result, iterations) = self.solve(state, target, COLD_ITERATIONS);
+        (result, spent + iterations)
+    }
+
     /// The state on the tangent at the target inputs.
     fn predict(&mut self, from: &State, target: &Inputs) -> State {
         let mut state = from.clone();
+        if from.sensitivities.is_empty() {
+            let approach = target.penetration_depth - from.inputs.penetration_depth;
+            self.system(from.mirrored).compress(&mut state.unknowns, approach);
+            return state;
+        }
         let changes = [
             target.penetration_depth - from.inputs.penetration_depth,
             target.sliding_speed - from.inputs.sliding_speed,
@@ -225,16 +277,20 @@ impl Simulation {
 
     /// Newton's method from a guess.
     fn solve(&mut self, guess: State, target: &Inputs, limit: usize) -> (Result<State, String>, usize) {
-        let settings = newton::Settings { tolerance: self.parameters.tolerance, maximum_iterations: limit };
+        self.solve_with(guess, target, limit, None, self.parameters.tolerance)
+    }
+
+    fn solve_with(&mut self, guess: State, target: &Inputs, limit: usize, rates: Option<&Rates>, tolerance: f64) -> (Result<State, String>, usize) {
+        let settings = newton::Settings { tolerance, maximum_iterations: limit };
         let State { mirrored, mut unknowns, active, .. } = guess;
         let system = self.system(mirrored);
-        let mut problem = Balance { system, inputs: target, rates: None, active, residual: Residual::default() };
+        let mut problem = Balance { system, inputs: target, rates, active, residual: Residual::default() };
         match newton::solve(&mut problem, &mut unknowns, &mut Vec::new(), &settings) {
             Err(failure) => (Err(failure.reason), failure.iterations),
             Ok(iterations) => {
                 let Balance { system, active, residual, .. } = problem;
                 let sensitivities = system
-                    .sensitivities(&unknowns, &active, target, None, &residual.contact_forces)
+                    .sensitivities(&unknowns, &active, target, rates, &residual.contact_forces)
                     .map_err(|singular| singular.to_string());
                 let state = sensitivities.map(|sensitivities| State {
                     inputs: *target,

@@ -45,6 +45,15 @@ pub struct Terms {
 }
 
 impl Film {
+    /// Fluid r h at the quadrature points of an element [m].
+    pub fn mass(&self, at: &Local) -> [f64; 3] {
+        GAUSS.map(|s| {
+            let sum = |f: [f64; 3], v: &[f64]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
+            let gap = sum(quadratic(s), &at[..3]).max(0.0);
+            gap * (self.fluid_compressibility * sum(pressure(self.pressure_order, s), &at[3..])).exp()
+        })
+    }
+
     /// The terms of an element of this length [m].
     pub fn element(&self, length: f64, at: &Local, sliding_speed: f64, mass_rate: &MassRate) -> Terms {
         let mut terms = Terms::default();

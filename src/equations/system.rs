@@ -33,6 +33,26 @@ pub struct Rates {
     pub film: Vec<[f64; 3]>,
 }
 
+/// What time derivatives are taken of, at the quadrature points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contents {
+    /// J in every element of every body.
+    pub volume: Vec<Vec<[f64; POINTS]>>,
+    /// Fluid r h of the film in every interface element [m].
+    pub film: Vec<[f64; 3]>,
+}
+
+impl Rates {
+    /// d/dt = (present - before) / step.
+    pub fn backward_euler(step: f64, before: &Contents) -> Self {
+        Self {
+            rate: 1.0 / step,
+            volume: before.volume.iter().map(|body| body.iter().map(|j| j.map(|j| -j / step)).collect()).collect(),
+            film: before.film.iter().map(|m| m.map(|m| -m / step)).collect(),
+        }
+    }
+}
+
 /// The discrete equations of a pair of layers, with the factorisation of their last tangent.
 #[derive(Debug)]
 pub struct System {
@@ -293,6 +313,19 @@ impl System {
                 }
             }
         }
+    }
+
+    /// Volumes and masses whose rates of change enter the balances.
+    pub fn contents(&self, unknowns: &[f64], inputs: &Inputs) -> Contents {
+        let volume = self.layers.iter().enumerate().map(|(body, layer)| {
+            let element = |element| {
+                let at = self.local(body, element, unknowns, inputs.penetration_depth);
+                std::array::from_fn(|point| Tissue::strain(&layer.mesh, element, point, &at).volume_ratio())
+            };
+            (0..layer.mesh.elements()).map(element).collect()
+        });
+        let film = (0..self.layers[0].mesh.columns).map(|column| self.film.mass(&self.film_local(column, unknowns)));
+        Contents { volume: volume.collect(), film: film.collect() }
     }
 
     /// Residual of all equations; contact enters by [`Self::apply_contact`].
@@ -658,6 +691,17 @@ impl System {
     /// Weight of gaps against contact pressures [Pa/m].
     pub fn contact_stiffness(&self) -> f64 {
         self.contact_stiffness
+    }
+
+    /// Compresses the tissue evenly through its thickness by an approach of the bones [m], with the gap as it is.
+    pub fn compress(&self, unknowns: &mut [f64], approach: f64) {
+        for (layer, vertical) in self.layers.iter().zip(&self.layout.vertical) {
+            for numbers in vertical.chunks_exact(self.height.len()) {
+                for (number, height) in numbers.iter().zip(&self.height).filter(|(n, _)| **n != FIXED) {
+                    unknowns[*number as usize] -= 0.5 * layer.side * approach * (1.0 - height);
+                }
+            }
+        }
     }
 
     /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes to no less than a tenth
