@@ -59,7 +59,8 @@ const COLD_ITERATIONS: usize = 25;
 
 /// Most Newton iterations of one step in time on the way to a steady state, and of all of them.
 const RELAXING_ITERATIONS: usize = 10;
-/// How far the bones approach in one such step, as a share of the layers' thickness.
+/// How far the bones approach in one such step of a millisecond or more, as a share of the layers' thickness; in proportion less
+/// in shorter ones.
 const RELAXING_APPROACH: f64 = 0.02;
 const LONGEST_RELAXATION: usize = 2000;
 
@@ -221,10 +222,10 @@ impl Simulation {
         let mut before = self.system(mirrored).contents(&state.unknowns, &state.inputs);
         let approach = (target.penetration_depth - from.inputs.penetration_depth).abs();
         let thickness = self.parameters.upper.thickness.min(self.parameters.lower.thickness);
-        let stride = (RELAXING_APPROACH * thickness / approach).min(1.0);
+        let stride = |step: f64| RELAXING_APPROACH * thickness / approach * (step / 1e-3).min(1.0);
         let (mut step, mut done, mut patience, mut quick, mut spent) = (1e-5, 0.0, 0, 0, 0);
         while quick < 3 {
-            let next = f64::min(done + stride, 1.0);
+            let next = f64::min(done + stride(step), 1.0);
             let inputs = between(&from.inputs, target, next);
             let rates = Rates::backward_euler(step, &before);
             let mut guess = state.clone();
@@ -280,7 +281,14 @@ impl Simulation {
         self.solve_with(guess, target, limit, None, self.parameters.tolerance)
     }
 
-    fn solve_with(&mut self, guess: State, target: &Inputs, limit: usize, rates: Option<&Rates>, tolerance: f64) -> (Result<State, String>, usize) {
+    fn solve_with(
+        &mut self,
+        guess: State,
+        target: &Inputs,
+        limit: usize,
+        rates: Option<&Rates>,
+        tolerance: f64,
+    ) -> (Result<State, String>, usize) {
         let settings = newton::Settings { tolerance, maximum_iterations: limit };
         let State { mirrored, mut unknowns, active, .. } = guess;
         let system = self.system(mirrored);

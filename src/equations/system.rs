@@ -116,9 +116,7 @@ fn boundary_friction_with_slopes(parameters: &Parameters, inputs: &Inputs) -> (f
 
 /// Depths of the node levels below the surface of a layer of this thickness [m].
 fn levels_below_surface(mesh: &Mesh, thickness: f64) -> Vec<f64> {
-    quadratic_stations(mesh.rows as usize, |j| {
-        thickness * graded(j as f64 / f64::from(mesh.rows), mesh.row_grading)
-    })
+    quadratic_stations(mesh.rows as usize, |j| thickness * graded(j as f64 / f64::from(mesh.rows), mesh.row_grading))
 }
 
 impl Layer {
