@@ -63,8 +63,8 @@ struct Factors {
     fluid: [[Padded; 3 * POINTS]; 3],
 }
 
-impl Default for Factors {
-    fn default() -> Self {
+impl Factors {
+    const NONE: Self = {
         let none = [0.0; 12];
         Self {
             gradients: [none; 2 * POINTS],
@@ -74,10 +74,8 @@ impl Default for Factors {
             force: [[none; POINTS]; 2],
             fluid: [[none; 3 * POINTS]; 3],
         }
-    }
-}
+    };
 
-impl Factors {
     /// The test functions at a point.
     fn test(&mut self, q: usize, gradients: [&Padded; 2], shape: &Padded, pressure: [&Padded; 2], value: &Padded) {
         for k in 0..2 {
@@ -141,7 +139,15 @@ impl Tissue {
         let alpha = self.biot_coefficient;
         let (ux, rest) = at.split_at(NODES);
         let (uy, pressures) = rest.split_at(NODES);
-        let mut factors = terms.tangent.as_ref().map(|_| Factors::default());
+        // Made in place, and only where it is needed: it is large.
+        let mut room;
+        let mut factors = match terms.tangent {
+            Some(_) => {
+                room = Factors::NONE;
+                Some(&mut room)
+            }
+            None => None,
+        };
         for (q, point) in mesh.points(element).iter().enumerate() {
             let [gx, gy] = &point.gradients;
             let [px, py] = mesh.pressure_gradients(element, q);
