@@ -41,6 +41,7 @@ struct State {
 #[derive(Debug)]
 pub struct Simulation {
     parameters: Parameters,
+    threads: usize,
     /// The equations of one body and its mirror image, where the two bodies are equal.
     mirrored: Option<System>,
     /// The equations of two bodies; made when they are first needed.
@@ -89,6 +90,7 @@ impl Simulation {
         };
         Self {
             parameters: *parameters,
+            threads: 1,
             mirrored: None,
             full: None,
             state: None,
@@ -97,6 +99,12 @@ impl Simulation {
             outputs: nothing,
             position: profile_stations(half_width(parameters)),
         }
+    }
+
+    /// Works on up to this many threads; on one unless told otherwise. The results are the same bits.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.threads = threads;
+        [&mut self.mirrored, &mut self.full].into_iter().flatten().for_each(|system| system.set_threads(threads));
     }
 
     /// The parameters it was made with.
@@ -186,7 +194,11 @@ impl Simulation {
 
     fn system(&mut self, mirrored: bool) -> &mut System {
         let slot = if mirrored { &mut self.mirrored } else { &mut self.full };
-        slot.get_or_insert_with(|| System::new(&self.parameters, mirrored))
+        slot.get_or_insert_with(|| {
+            let mut system = System::new(&self.parameters, mirrored);
+            system.set_threads(self.threads);
+            system
+        })
     }
 
     /// One step of the continuation: the state at `target`, or why not; and the Newton iterations spent.
@@ -416,7 +428,8 @@ impl Simulation {
     /// [`Error::State`] where the snapshot does not fit; the state is then unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         let Some(state) = &snapshot.0 else {
-            *self = Self { mirrored: self.mirrored.take(), full: self.full.take(), ..Self::unsolved(&self.parameters) };
+            let (mirrored, full) = (self.mirrored.take(), self.full.take());
+            *self = Self { threads: self.threads, mirrored, full, ..Self::unsolved(&self.parameters) };
             return Ok(());
         };
         if state.mirrored && self.mirrored.is_none() {

@@ -420,6 +420,11 @@ impl System {
         }
     }
 
+    /// Factorises on up to this many threads; a single one unless told otherwise. The results are the same bits.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.linear.set_threads(threads);
+    }
+
     /// Factorises the tangent at these unknowns.
     ///
     /// # Errors
@@ -457,12 +462,11 @@ impl System {
         at: &Local,
         inputs: &Inputs,
         rates: Option<&Rates>,
-    ) -> ([f64; LOCAL * LOCAL], Local) {
+    ) -> [f64; LOCAL * LOCAL] {
         let layer = &self.layers[body];
         let mut tangent = [0.0; LOCAL * LOCAL];
-        let mut by_speed = [0.0; LOCAL];
         let rate = self.volume_rate(rates, body, element);
-        let terms = ElementTerms { residual: None, by_speed: Some(&mut by_speed), tangent: Some(&mut tangent) };
+        let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
         // An inverted element was refused when the residual was formed.
         let inverted =
             layer.tissue.element(&layer.mesh, element, at, surface_speeds(inputs)[body], &rate, terms).is_err();
@@ -473,7 +477,19 @@ impl System {
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
             tissue::surface_pressure(&layer.mesh, element, layer.side, at, terms);
         }
-        (tangent, by_speed)
+        tangent
+    }
+
+    /// Derivative of an element's residual by the speed of its surface.
+    fn element_by_speed(&self, body: usize, element: usize, at: &Local, inputs: &Inputs) -> Local {
+        let layer = &self.layers[body];
+        let mut by_speed = [0.0; LOCAL];
+        let terms = ElementTerms { residual: None, by_speed: Some(&mut by_speed), tangent: None };
+        let speed = surface_speeds(inputs)[body];
+        if layer.tissue.element(&layer.mesh, element, at, speed, &VolumeRate::default(), terms).is_err() {
+            by_speed.fill(f64::NAN);
+        }
+        by_speed
     }
 
     /// Matrix of a cell over its unknowns: tissue, film, and contact by rows and columns.
@@ -489,7 +505,7 @@ impl System {
         let (body, element) = self.layout.body_and_element(cell);
         let layer = &self.layers[body];
         let at = self.local(body, element, unknowns, inputs.penetration_depth);
-        let (tangent, _) = self.element_tangent(body, element, &at, inputs, rates);
+        let tangent = self.element_tangent(body, element, &at, inputs, rates);
         let m = self.layout.cells[cell].len();
         for (column, values) in tangent.chunks_exact(LOCAL).enumerate() {
             matrix[column * m..column * m + LOCAL].copy_from_slice(values);
@@ -633,12 +649,14 @@ impl System {
                     continue;
                 }
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
-                let (tangent, by_speed) = self.element_tangent(body, element, &at, inputs, rates);
                 let local_change = self.local_change(body, element, change, direction.penetration_depth);
-                let mut local = by_speed.map(|v| v * direction.speeds[body]);
-                for (column, c) in tangent.chunks_exact(LOCAL).zip(local_change) {
-                    if c != 0.0 {
-                        local.iter_mut().zip(column).for_each(|(l, t)| *l += t * c);
+                let mut local = self.element_by_speed(body, element, &at, inputs).map(|v| v * direction.speeds[body]);
+                if local_change.iter().any(|c| *c != 0.0) {
+                    let tangent = self.element_tangent(body, element, &at, inputs, rates);
+                    for (column, c) in tangent.chunks_exact(LOCAL).zip(local_change) {
+                        if c != 0.0 {
+                            local.iter_mut().zip(column).for_each(|(l, t)| *l += t * c);
+                        }
                     }
                 }
                 self.scatter(body, element, &local, values);

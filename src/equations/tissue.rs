@@ -14,6 +14,7 @@ use nalgebra::{Matrix2, Vector2};
 
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
+use crate::fem::products::{Block, Padded, add_products, padded};
 use crate::laws::darcy::{conductance, conductance_derivative};
 use crate::laws::neo_hookean::{COFACTOR_DERIVATIVE, NeoHookean, Strain, flatten};
 
@@ -45,6 +46,65 @@ pub struct VolumeRate {
     pub rate: f64,
     /// The rest of the difference formula, at each quadrature point [1/s].
     pub history: [f64; POINTS],
+}
+
+/// The tangent before summation over the quadrature points: test functions, and what is multiplied with them.
+///
+/// Rows of the tables: both derivatives of the test functions at one point after the other, then (fluid only) the test functions.
+struct Factors {
+    gradients: [Padded; 2 * POINTS],
+    shapes: [Padded; POINTS],
+    pressures: [Padded; 3 * POINTS],
+    /// Stress by the fields, for each component of the force balance.
+    stress: [[[Padded; 2 * POINTS]; 3]; 2],
+    /// Force of the pressure on the tissue by the pressures, likewise.
+    force: [[Padded; POINTS]; 2],
+    /// Flow and storage by the fields.
+    fluid: [[Padded; 3 * POINTS]; 3],
+}
+
+impl Factors {
+    const NONE: Self = {
+        let none = [0.0; 12];
+        Self {
+            gradients: [none; 2 * POINTS],
+            shapes: [none; POINTS],
+            pressures: [none; 3 * POINTS],
+            stress: [[[none; 2 * POINTS]; 3]; 2],
+            force: [[none; POINTS]; 2],
+            fluid: [[none; 3 * POINTS]; 3],
+        }
+    };
+
+    /// The test functions at a point.
+    fn test(&mut self, q: usize, gradients: [&Padded; 2], shape: &Padded, pressure: [&Padded; 2], value: &Padded) {
+        for k in 0..2 {
+            self.gradients[2 * q + k] = *gradients[k];
+            self.pressures[2 * q + k] = *pressure[k];
+        }
+        self.shapes[q] = *shape;
+        self.pressures[2 * POINTS + q] = *value;
+    }
+
+    /// Adds the sums over all points.
+    fn multiply(&self, tangent: &mut [f64; LOCAL * LOCAL], consistent: bool, storage: bool) {
+        let fluid = if storage { 3 * POINTS } else { 2 * POINTS };
+        let blocks: [Block<'_>; 9] = std::array::from_fn(|index| {
+            let (row, column) = (index / 3, index % 3);
+            let (tests, factors) = match (row, column) {
+                (2, _) => (&self.pressures[..fluid], &self.fluid[column][..fluid]),
+                (_, 2) if !consistent => (&self.shapes[..], &self.force[row][..]),
+                _ => (&self.gradients[..], &self.stress[row][column][..]),
+            };
+            Block { tests, factors, at: [row * NODES, column * NODES] }
+        });
+        add_products(&blocks, tangent, LOCAL);
+    }
+}
+
+/// a * x + b * y
+fn combined(a: f64, x: &Padded, b: f64, y: &Padded) -> Padded {
+    std::array::from_fn(|i| a * x[i] + b * y[i])
 }
 
 /// The element has turned inside out.
@@ -79,6 +139,15 @@ impl Tissue {
         let alpha = self.biot_coefficient;
         let (ux, rest) = at.split_at(NODES);
         let (uy, pressures) = rest.split_at(NODES);
+        // Made in place, and only where it is needed: it is large.
+        let mut room;
+        let mut factors = match terms.tangent {
+            Some(_) => {
+                room = Factors::NONE;
+                Some(&mut room)
+            }
+            None => None,
+        };
         for (q, point) in mesh.points(element).iter().enumerate() {
             let [gx, gy] = &point.gradients;
             let [px, py] = mesh.pressure_gradients(element, q);
@@ -117,7 +186,7 @@ impl Tissue {
                     by_speed[2 * NODES + a] += weight * density * (convected.x * px[a] + convected.y * py[a]);
                 }
             }
-            if let Some(tangent) = &mut terms.tangent {
+            if let Some(factors) = &mut factors {
                 let mut stress_by_strain = self.solid.tangent(&strain);
                 let cofactor = flatten(&strain.cofactor);
                 let mut flow_by_strain = Vector2::new(rotation.x, rotation.y) * cofactor.transpose() * (-alpha * speed);
@@ -130,44 +199,41 @@ impl Tissue {
                     flow_by_strain += conductance_derivative(self.mobility, &strain, &pressure_gradient);
                 }
                 let fluid = weight * density;
-                let storage_by_volume = alpha * volume_rate.rate;
+                let storage_by_volume = fluid * alpha * volume_rate.rate;
                 let chi = self.fluid_compressibility;
-                for b in 0..NODES {
-                    // Columns of the two displacements of node b.
-                    for k in 0..2 {
-                        let along = |row: [f64; 2]| row[0] * gx[b] + row[1] * gy[b];
-                        let s = std::array::from_fn::<f64, 4, _>(|i| {
-                            weight * along([stress_by_strain[(i, 2 * k)], stress_by_strain[(i, 2 * k + 1)]])
-                        });
-                        let f = std::array::from_fn::<f64, 2, _>(|i| {
-                            fluid * along([flow_by_strain[(i, 2 * k)], flow_by_strain[(i, 2 * k + 1)]])
-                        });
-                        let storage = fluid * storage_by_volume * along([cofactor[2 * k], cofactor[2 * k + 1]]);
-                        let column = &mut tangent[(k * NODES + b) * LOCAL..(k * NODES + b + 1) * LOCAL];
-                        for a in 0..NODES {
-                            column[a] += s[0] * gx[a] + s[1] * gy[a];
-                            column[NODES + a] += s[2] * gx[a] + s[3] * gy[a];
-                            column[2 * NODES + a] += f[0] * px[a] + f[1] * py[a] + storage * pressure_shape[a];
-                        }
+                let [gx, gy, px, py, value] = [gx, gy, px, py, pressure_shape].map(padded);
+                factors.test(q, [&gx, &gy], &padded(shape), [&px, &py], &value);
+                // Columns of the displacements: along a component of the displacement gradient.
+                for k in 0..2 {
+                    let along = |factor: f64, row: [f64; 2]| combined(factor * row[0], &gx, factor * row[1], &gy);
+                    for i in 0..4 {
+                        let row = [stress_by_strain[(i, 2 * k)], stress_by_strain[(i, 2 * k + 1)]];
+                        factors.stress[i / 2][k][2 * q + i % 2] = along(weight, row);
                     }
-                    // Column of the pressure of node b.
-                    let value = pressure_shape[b];
-                    let gradient = Vector2::new(px[b], py[b]);
-                    let (s, force) = if self.consistent {
-                        (cofactor * (-alpha * value * weight), Vector2::zeros())
-                    } else {
-                        (nalgebra::Vector4::zeros(), gradient * (alpha * weight))
-                    };
-                    let f = (conductance * gradient + flow * (chi * value)) * fluid;
-                    let storage = fluid * alpha * volume_change_rate * chi * value;
-                    let column = &mut tangent[(2 * NODES + b) * LOCAL..(2 * NODES + b + 1) * LOCAL];
-                    for a in 0..NODES {
-                        column[a] += s[0] * gx[a] + s[1] * gy[a] + force.x * shape[a];
-                        column[NODES + a] += s[2] * gx[a] + s[3] * gy[a] + force.y * shape[a];
-                        column[2 * NODES + a] += f.x * px[a] + f.y * py[a] + storage * pressure_shape[a];
+                    for i in 0..2 {
+                        let row = [flow_by_strain[(i, 2 * k)], flow_by_strain[(i, 2 * k + 1)]];
+                        factors.fluid[k][2 * q + i] = along(fluid, row);
                     }
+                    factors.fluid[k][2 * POINTS + q] = along(storage_by_volume, [cofactor[2 * k], cofactor[2 * k + 1]]);
                 }
+                // Columns of the pressures.
+                if self.consistent {
+                    for i in 0..4 {
+                        factors.stress[i / 2][2][2 * q + i % 2] = value.map(|v| -alpha * weight * cofactor[i] * v);
+                    }
+                } else {
+                    factors.force[0][q] = px.map(|v| alpha * weight * v);
+                    factors.force[1][q] = py.map(|v| alpha * weight * v);
+                }
+                for i in 0..2 {
+                    let by_gradient = combined(fluid * conductance[(i, 0)], &px, fluid * conductance[(i, 1)], &py);
+                    factors.fluid[2][2 * q + i] = combined(1.0, &by_gradient, fluid * chi * flow[i], &value);
+                }
+                factors.fluid[2][2 * POINTS + q] = value.map(|v| fluid * alpha * volume_change_rate * chi * v);
             }
+        }
+        if let (Some(tangent), Some(factors)) = (terms.tangent, factors) {
+            factors.multiply(tangent, self.consistent, *volume_rate != VolumeRate::default());
         }
         Ok(())
     }

@@ -1,0 +1,91 @@
+//! What the parts of a solution cost, on the default mesh with one mirrored body: `cargo bench`.
+
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use std::hint::black_box;
+
+use cartilage_contact::equations::system::{Residual, System};
+use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
+use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::simulation::Simulation;
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+
+fn parameters() -> Parameters {
+    Parameters { boundary_friction_loads_tissue: false, ..Parameters::default() }
+}
+
+fn at_depth(micron: f64) -> Inputs {
+    Inputs { penetration_depth: micron * 1e-6, ..Inputs::default() }
+}
+
+fn element(criterion: &mut Criterion) {
+    let system = System::new(&parameters(), true);
+    let inputs = Inputs::default();
+    let layer = &system.layers[0];
+    let at = system.local(0, 100, &system.rest(inputs.penetration_depth), inputs.penetration_depth);
+    let rate = VolumeRate::default();
+    criterion.bench_function("element residual", |bencher| {
+        bencher.iter(|| {
+            let mut residual = [0.0; LOCAL];
+            let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
+            layer.tissue.element(&layer.mesh, 100, black_box(&at), 0.1, &rate, terms).map(|()| residual)
+        });
+    });
+    criterion.bench_function("element tangent", |bencher| {
+        bencher.iter(|| {
+            let mut tangent = [0.0; LOCAL * LOCAL];
+            let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
+            layer.tissue.element(&layer.mesh, 100, black_box(&at), 0.1, &rate, terms).map(|()| tangent)
+        });
+    });
+}
+
+fn system(criterion: &mut Criterion) {
+    let inputs = Inputs::default();
+    let mut system = System::new(&parameters(), true);
+    let unknowns = system.rest(inputs.penetration_depth);
+    let mut active = vec![false; system.stations.len()];
+    let mut residual = Residual::default();
+    criterion.bench_function("residual", |bencher| {
+        bencher.iter(|| system.residual(black_box(&unknowns), &mut active, &inputs, None, &mut residual));
+    });
+    for threads in [1, 2] {
+        system.set_threads(threads);
+        criterion.bench_function(&format!("tangent and factorisation, {threads} threads"), |bencher| {
+            bencher.iter(|| system.factorise(black_box(&unknowns), &active, &inputs, None));
+        });
+    }
+    for columns in [1, 3] {
+        let right_hand_sides = residual.values.repeat(columns);
+        criterion.bench_function(&format!("solution, {columns} right-hand sides"), |bencher| {
+            bencher.iter_batched_ref(
+                || right_hand_sides.clone(),
+                |right_hand_sides| system.solve(right_hand_sides),
+                BatchSize::SmallInput,
+            );
+        });
+    }
+}
+
+fn points(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("simulation");
+    group.sample_size(10);
+    group.bench_function("a micron further, and back", |bencher| {
+        let mut simulation = Simulation::new(&parameters()).unwrap();
+        simulation.solve_steady(at_depth(5.0)).unwrap();
+        bencher.iter(|| {
+            simulation.solve_steady(at_depth(6.0)).unwrap();
+            simulation.solve_steady(at_depth(5.0)).unwrap();
+        });
+    });
+    group.bench_function("111 points", |bencher| {
+        bencher.iter(|| {
+            let mut simulation = Simulation::new(&parameters()).unwrap();
+            (-10..=100).for_each(|micron| simulation.solve_steady(at_depth(f64::from(micron))).unwrap());
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, element, system, points);
+criterion_main!(benches);

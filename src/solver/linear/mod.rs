@@ -1,0 +1,285 @@
+//! Direct solution of the linear systems: a multifrontal LU on a tree of cells, on dense kernels.
+//!
+//! The matrix is given as dense matrices of cells (finite elements) that overlap in their unknowns. A tree of clusters of
+//! cells says in which order to eliminate: an unknown is eliminated in the smallest cluster that holds all its cells. For a
+//! long strip of elements the tree comes from [`Cluster::strip`]. Everything but the numbers is worked out once, in
+//! [`Multifrontal::new`]; after that nothing is allocated but the vectors of a solution.
+
+mod cluster;
+mod dense;
+mod front;
+mod substitution;
+
+pub use cluster::Cluster;
+
+use dense::{Dense, Scratch};
+use front::{Front, Symbolic};
+
+/// Unknown that is not solved for: its rows and columns are dropped.
+pub const FIXED: u32 = u32::MAX;
+
+/// The numbers were such that elimination cannot go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the linear system is singular")]
+pub struct Singular;
+
+/// A factorised sparse matrix, with room to factorise others of the same structure.
+pub struct Multifrontal {
+    fronts: Vec<Front>,
+    /// Unknown -> place in the order of elimination.
+    position: Vec<u32>,
+    row_scale: Vec<f64>,
+    column_scale: Vec<f64>,
+    factors: Vec<f64>,
+    pivots: Vec<u32>,
+    /// The subtrees that hang from the root, then the root.
+    parts: Vec<Part>,
+    threads: usize,
+    simd: pulp::Arch,
+}
+
+/// Consecutive fronts, with the room that it takes to eliminate them.
+struct Part {
+    fronts: std::ops::Range<usize>,
+    /// Update matrices, see [`Symbolic::stack`].
+    stacks: [Vec<f64>; 2],
+    /// Matrix of a cell.
+    cell: Vec<f64>,
+    scratch: Scratch,
+}
+
+impl std::fmt::Debug for Multifrontal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Multifrontal({} unknowns, {} factor entries)", self.position.len(), self.factors.len())
+    }
+}
+
+impl Multifrontal {
+    /// Works out the elimination of `row_scale.len()` unknowns for cells with these unknowns (or [`FIXED`]).
+    ///
+    /// Rows are multiplied by `row_scale` and columns by `column_scale` before elimination, so that pivots can be compared.
+    pub fn new(cells: &[Vec<u32>], tree: &Cluster, row_scale: Vec<f64>, column_scale: Vec<f64>) -> Self {
+        let unknowns = row_scale.len();
+        let Symbolic { mut fronts, position, parts } = Symbolic::new(cells, tree, unknowns);
+        let count = fronts.len();
+        let mut first = 0;
+        let parts = parts.into_iter().chain((count > 0).then_some(count)).map(|end| {
+            let range = std::mem::replace(&mut first, end)..end;
+            let fronts = &mut fronts[range.clone()];
+            let stacks = Symbolic::stack(fronts, range.start).map(|length| vec![0.0; length]);
+            let largest = fronts.iter().map(|f| f.eliminated).max().unwrap_or(0);
+            let cell = fronts.iter().flat_map(|f| &f.sources).map(|s| s.size * s.size).max().unwrap_or(0);
+            Part { fronts: range, stacks, cell: vec![0.0; cell], scratch: Scratch::new(largest) }
+        });
+        let parts = parts.collect();
+        let length = fronts.iter().map(Front::length).sum();
+        Self {
+            fronts,
+            position,
+            row_scale,
+            column_scale,
+            factors: vec![0.0; length],
+            pivots: vec![0; unknowns],
+            parts,
+            threads: 1,
+            simd: pulp::Arch::new(),
+        }
+    }
+
+    /// A factorisation of nothing.
+    pub fn empty() -> Self {
+        Self::new(&[], &Cluster::Union(Vec::new()), Vec::new(), Vec::new())
+    }
+
+    /// Factorises on up to this many threads: more than one help as far as the root of the tree has branches. The results are the
+    /// same bits.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.threads = threads;
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Entries that the factors hold.
+    pub fn factor_entries(&self) -> usize {
+        self.factors.len()
+    }
+
+    /// Factorises the sum of the cells' matrices.
+    ///
+    /// `fill(cell, matrix)` writes the cell's matrix, column by column, over its unknowns in the order given to [`Self::new`]; the
+    /// matrix comes zeroed.
+    ///
+    /// # Errors
+    /// [`Singular`] where a pivot is zero or not finite.
+    pub fn factorise(&mut self, cells: &[Vec<u32>], fill: impl Fn(usize, &mut [f64]) + Sync) -> Result<(), Singular> {
+        let Some((root, branches)) = self.parts.split_last_mut() else { return Ok(()) };
+        let (fronts, simd, fill) = (&self.fronts, self.simd, &fill);
+        let scale = Scale { cells, rows: &self.row_scale, columns: &self.column_scale };
+        let (mut factors, mut pivots) = (&mut self.factors[..], &mut self.pivots[..]);
+        let mut jobs = Vec::with_capacity(branches.len());
+        for part in branches.iter_mut() {
+            let of_part = &fronts[part.fronts.clone()];
+            let length = of_part.iter().map(Front::length).sum();
+            let eliminated = of_part.iter().map(|f| f.eliminated).sum();
+            let (own_factors, own_pivots);
+            (own_factors, factors) = factors.split_at_mut(length);
+            (own_pivots, pivots) = pivots.split_at_mut(eliminated);
+            jobs.push(move || part.factorise(fronts, &[], &scale, own_factors, own_pivots, simd, fill));
+        }
+        let share = jobs.len().div_ceil(self.threads.clamp(1, jobs.len().max(1))).max(1);
+        let mut results = Vec::with_capacity(jobs.len());
+        if share >= jobs.len() {
+            results.extend(jobs.into_iter().map(|mut job| job()));
+        } else {
+            let mut jobs = jobs.into_iter();
+            std::thread::scope(|scope| {
+                let mine: Vec<_> = jobs.by_ref().take(share).collect();
+                let mut others = Vec::new();
+                while jobs.len() > 0 {
+                    let theirs: Vec<_> = jobs.by_ref().take(share).collect();
+                    others.push(scope.spawn(move || theirs.into_iter().try_for_each(|mut job| job())));
+                }
+                results.extend(mine.into_iter().map(|mut job| job()));
+                results.extend(others.into_iter().map(|other| other.join().unwrap_or(Err(Singular))));
+            });
+        }
+        results.into_iter().collect::<Result<(), _>>()?;
+        root.factorise(fronts, branches, &scale, factors, pivots, simd, fill)
+    }
+}
+
+/// What rows and columns of the cells' matrices are multiplied by.
+#[derive(Clone, Copy)]
+struct Scale<'a> {
+    cells: &'a [Vec<u32>],
+    rows: &'a [f64],
+    columns: &'a [f64],
+}
+
+impl Part {
+    /// Eliminates its fronts. `below` are the parts that hold children of its fronts.
+    #[allow(clippy::too_many_arguments)]
+    fn factorise(
+        &mut self,
+        fronts: &[Front],
+        below: &[Self],
+        scale: &Scale<'_>,
+        mut factors: &mut [f64],
+        mut pivots: &mut [u32],
+        simd: pulp::Arch,
+        fill: &(impl Fn(usize, &mut [f64]) + Sync),
+    ) -> Result<(), Singular> {
+        for front in &fronts[self.fronts.clone()] {
+            let (k, b) = (front.eliminated, front.boundary.len());
+            let (left, top, own);
+            (left, factors) = factors.split_at_mut((k + b) * k);
+            (top, factors) = factors.split_at_mut(k * b);
+            (own, pivots) = pivots.split_at_mut(k);
+            let [even, odd] = &mut self.stacks;
+            let (stack, children) = if front.stack == 0 { (even, &*odd) } else { (odd, &*even) };
+            let update = &mut stack[front.update..front.update + b * b];
+            left.fill(0.0);
+            top.fill(0.0);
+            update.fill(0.0);
+            let mut dense = Dense { left, top, update, size: [k, b], pivots: own };
+            for child in &front.children {
+                let of_child = &fronts[child.front];
+                let elsewhere = below.iter().find(|part| part.fronts.contains(&child.front));
+                let stack = elsewhere.map_or(children, |part| &part.stacks[of_child.stack]);
+                let matrix = &stack[of_child.update..of_child.update + of_child.update_length()];
+                dense.add(matrix, of_child.boundary.len(), &child.runs);
+            }
+            for source in &front.sources {
+                let m = source.size;
+                let matrix = &mut self.cell[..m * m];
+                matrix.fill(0.0);
+                fill(source.cell, matrix);
+                scale.apply(source.cell, matrix);
+                dense.add_scattered(matrix, m, &source.places);
+            }
+            dense.eliminate(simd, &mut self.scratch)?;
+        }
+        Ok(())
+    }
+}
+
+impl Scale<'_> {
+    fn apply(&self, cell: usize, matrix: &mut [f64]) {
+        let unknowns = &self.cells[cell];
+        let factor = |scale: &[f64], dof: u32| if dof == FIXED { 0.0 } else { scale[dof as usize] };
+        for (column, dof) in matrix.chunks_exact_mut(unknowns.len()).zip(unknowns) {
+            let of_column = factor(self.columns, *dof);
+            for (value, dof) in column.iter_mut().zip(unknowns) {
+                *value *= of_column * factor(self.rows, *dof);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::MatRef;
+    use faer::linalg::solvers::Solve;
+    use proptest::prelude::*;
+
+    /// Cells of a strip, each over the four corners of a grid of nodes with one unknown.
+    fn strip_cells(columns: usize, rows: usize) -> Vec<Vec<u32>> {
+        (0..columns * rows)
+            .map(|cell| {
+                let (c, r) = (cell / rows, cell % rows);
+                let node = |i: usize, j: usize| ((c + i) * (rows + 1) + r + j) as u32;
+                vec![node(0, 0), node(0, 1), node(1, 0), node(1, 1)]
+            })
+            .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_dense_elimination(columns in 1..9_usize, rows in 1..5_usize, seed in 0..1000_u64, fixed in 0..3_u32) {
+            let mut cells = strip_cells(columns, rows);
+            let n = (columns + 1) * (rows + 1);
+            // The last few unknowns are fixed.
+            let free = n as u32 - fixed;
+            for dof in cells.iter_mut().flatten() {
+                if *dof >= free { *dof = FIXED; }
+            }
+            let n = free as usize;
+            let number = |i: u64| ((i * 2654435761 + seed * 40503) % 1009) as f64 / 1009.0 - 0.5;
+            let matrix = |cell: usize, m: &mut [f64]| {
+                for (i, v) in m.iter_mut().enumerate() {
+                    *v = number((cell * 16 + i) as u64) + if i % 5 == 0 { 1.0 } else { 0.0 };
+                }
+            };
+            let mut dense = faer::Mat::<f64>::zeros(n, n);
+            for (cell, dofs) in cells.iter().enumerate() {
+                let mut m = [0.0; 16];
+                matrix(cell, &mut m);
+                for i in 0..4 { for j in 0..4 {
+                    if dofs[i] != FIXED && dofs[j] != FIXED { dense[(dofs[i] as usize, dofs[j] as usize)] += m[4 * j + i]; }
+                } }
+            }
+            let scale: Vec<f64> = (0..n).map(|i| 10.0_f64.powi((i % 7) as i32 - 3)).collect();
+            let mut solver = Multifrontal::new(&cells, &Cluster::strip(columns, rows), scale.clone(), scale);
+            solver.factorise(&cells, matrix).unwrap();
+            let rhs: Vec<f64> = (0..2 * n).map(|i| number(i as u64 + 77)).collect();
+            let mut x = rhs.clone();
+            solver.solve(&mut x).unwrap();
+            let reference = dense.partial_piv_lu().solve(MatRef::from_column_major_slice(&rhs, n, 2));
+            for (i, value) in x.iter().enumerate() {
+                let expected = reference[(i % n, i / n)];
+                prop_assert!((value - expected).abs() < 1e-7 * (1.0 + reference.norm_max()), "{} {}", value, expected);
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_is_an_error() {
+        let cells = strip_cells(3, 2);
+        let mut solver = Multifrontal::new(&cells, &Cluster::strip(3, 2), vec![1.0; 12], vec![1.0; 12]);
+        assert_eq!(solver.factorise(&cells, |_, _| ()), Err(Singular));
+    }
+}
