@@ -59,7 +59,8 @@ fn a_missing_or_foreign_library_is_named_with_what_to_run() {
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no.fmu");
     for library in ["nowhere/libcartilage_contact.so", "Cargo.toml"] {
         let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(library);
-        let message = archive::package(&[library.clone()], Standard::Fmi2, &output).unwrap_err().to_string();
+        let message =
+            archive::package(std::slice::from_ref(&library), Standard::Fmi2, &output).unwrap_err().to_string();
         assert!(
             message.contains(&library.display().to_string()) && message.contains("cargo build --release"),
             "{message}"
