@@ -287,7 +287,7 @@ impl Fmu {
         (status, state)
     }
 
-    pub fn from_bytes(&self, bytes: &[u8]) -> c_uint {
+    pub fn read_bytes(&self, bytes: &[u8]) -> c_uint {
         let (status, state) = self.state_from(bytes);
         self.free_state(state);
         status

@@ -148,7 +148,7 @@ fn bytes(standard: Standard, c: *mut c_void, state: *mut c_void) -> Vec<u8> {
 
 fn from_bytes(standard: Standard, c: *mut c_void, state: *mut c_void) -> c_uint {
     let fmu = Fmu::borrowed(standard, c);
-    fmu.from_bytes(&fmu.bytes(state))
+    fmu.read_bytes(&fmu.bytes(state))
 }
 
 fn only_discard(status: c_uint) -> c_uint {

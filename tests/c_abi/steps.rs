@@ -81,16 +81,16 @@ fn bytes_of_a_state_are_refused_when_cut_altered_or_foreign() {
         assert_eq!(fmu.get_state(&mut state), OK);
         let good = fmu.bytes(state);
         fmu.free_state(state);
-        assert_eq!(fmu.from_bytes(&good), OK);
+        assert_eq!(fmu.read_bytes(&good), OK);
         for cut in 0..good.len() {
-            assert_eq!(fmu.from_bytes(&good[..cut]), ERROR, "{cut} bytes of {}", good.len());
+            assert_eq!(fmu.read_bytes(&good[..cut]), ERROR, "{cut} bytes of {}", good.len());
         }
         for changed in 0..good.len() {
             let mut bytes = good.clone();
             bytes[changed] ^= 1;
-            assert_eq!(fmu.from_bytes(&bytes), ERROR, "byte {changed} of {}", good.len());
+            assert_eq!(fmu.read_bytes(&bytes), ERROR, "byte {changed} of {}", good.len());
         }
-        assert_eq!(fmu.from_bytes(&[&good[..], b"more"].concat()), ERROR);
+        assert_eq!(fmu.read_bytes(&[&good[..], b"more"].concat()), ERROR);
         assert!(fmu.take_messages().iter().all(|(_, _, message)| message.contains("state refused")));
     }
 }
