@@ -209,9 +209,13 @@ fn without_arguments_it_builds_and_drives_the_fmu() {
     let output = run_in(folder.path(), "");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = out(&output);
-    for expected in
-        ["Built target/fmu/CartilageLineContact.fmu", "depth", "regime", "Wrote target/fmu/press_and_release.csv"]
-    {
+    for expected in [
+        "Built target/fmu/CartilageLineContact.fmu",
+        "Built target/fmu/CartilageLineContact.fmi3.fmu",
+        "depth",
+        "regime",
+        "Wrote target/fmu/press_and_release.csv",
+    ] {
         assert!(text.contains(expected), "{expected}: {text}");
     }
     let made = folder.path().join("target/fmu");
@@ -230,10 +234,13 @@ fn without_arguments_it_builds_and_drives_the_fmu() {
 }
 
 #[test]
-fn package_writes_the_fmu_and_says_where() {
+fn package_writes_both_fmus_and_says_where() {
     let folder = tempfile::tempdir().unwrap();
     let output = run_in(folder.path(), "package --output some/folder/contact.fmu");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert_eq!(out(&output).trim(), "some/folder/contact.fmu");
-    assert!(std::fs::read(folder.path().join("some/folder/contact.fmu")).unwrap().starts_with(b"PK"));
+    let made = ["some/folder/contact.fmu", "some/folder/contact.fmi3.fmu"];
+    assert_eq!(out(&output).lines().collect::<Vec<_>>(), made);
+    for file in made {
+        assert!(std::fs::read(folder.path().join(file)).unwrap().starts_with(b"PK"), "{file}");
+    }
 }

@@ -10,6 +10,7 @@ use std::process::Command;
 
 use cartilage_contact::fmi::instance::Instance;
 use cartilage_contact::fmi::log::Log;
+use cartilage_contact::fmi::standard::Standard;
 use cartilage_contact::fmi::{archive, description, documentation};
 use cartilage_contact::variables::{Type, VARIABLES, scalar_outputs};
 
@@ -30,20 +31,27 @@ fn read_or_write(path: &str, made: &str) -> String {
 
 #[test]
 fn the_model_description_is_that_of_the_table() {
-    let made = description::xml();
-    assert!(read_or_write("fmi2.xml", made) == made, "modelDescription/fmi2.xml is out of date: {HOW}");
+    for (name, made) in [
+        ("fmi2.xml", description::fmi2::xml()),
+        ("fmi3.xml", description::fmi3::xml()),
+        ("terminalsAndIcons.xml", &description::fmi3::terminals()),
+    ] {
+        assert!(read_or_write(name, made) == made, "modelDescription/{name} is out of date: {HOW}");
+    }
 }
 
 #[test]
 fn equal_input_gives_the_same_bytes() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("same bytes");
     let library = archive::library_beside(Path::new(env!("CARGO_BIN_EXE_cartilage-contact")));
-    let made = ["one", "two"].map(|name| {
-        let path = folder.join(name).join("CartilageLineContact.fmu");
-        archive::package(&library, &path).unwrap();
-        std::fs::read(path).unwrap()
-    });
-    assert!(made[0] == made[1]);
+    for standard in [Standard::Fmi2, Standard::Fmi3] {
+        let made = ["one", "two"].map(|name| {
+            let path = folder.join(name).join("CartilageLineContact.fmu");
+            archive::package(std::slice::from_ref(&library), standard, &path).unwrap();
+            std::fs::read(path).unwrap()
+        });
+        assert!(made[0] == made[1], "{standard:?}");
+    }
 }
 
 #[test]
@@ -51,7 +59,8 @@ fn a_missing_or_foreign_library_is_named_with_what_to_run() {
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no.fmu");
     for library in ["nowhere/libcartilage_contact.so", "Cargo.toml"] {
         let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(library);
-        let message = archive::package(&library, &output).unwrap_err().to_string();
+        let message =
+            archive::package(std::slice::from_ref(&library), Standard::Fmi2, &output).unwrap_err().to_string();
         assert!(
             message.contains(&library.display().to_string()) && message.contains("cargo build --release"),
             "{message}"
@@ -85,7 +94,7 @@ fn depth(step: i32) -> f64 {
 fn the_reference_result_is_what_the_fmu_returns() {
     let reference = |name: &str| VARIABLES.iter().position(|variable| variable.name == name).unwrap() as u32;
     let outputs: Vec<_> = scalar_outputs().collect();
-    let mut instance = Instance::new(Log::new(false));
+    let mut instance = Instance::new(Standard::Fmi2, Log::new(false));
     instance.enter_initialization_mode().unwrap();
     let mut input = "time,penetration_depth\n".to_owned();
     let names: Vec<_> = outputs.iter().map(|variable| variable.name.as_str()).collect();

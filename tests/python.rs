@@ -13,6 +13,8 @@ use std::sync::OnceLock;
 use cartilage_contact::fmi::archive;
 use cartilage_contact::fmi::boundary::Logger;
 use cartilage_contact::fmi::fmi2::fmi2CallbackFunctions;
+use cartilage_contact::fmi::fmi3::{fmi3Boolean, fmi3LogMessageCallback};
+use cartilage_contact::fmi::standard::Standard;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const PROGRAM: &str = env!("CARGO_BIN_EXE_cartilage-contact");
@@ -47,29 +49,53 @@ fn python() -> &'static Path {
 }
 
 #[test]
-fn importers_run_the_fmu() {
+fn importers_run_the_fmus() {
     let fmu = folder("fmu").join("CartilageLineContact.fmu");
-    archive::package(&archive::library_beside(Path::new(PROGRAM)), &fmu).unwrap();
+    let libraries = [archive::library_beside(Path::new(PROGRAM))];
+    let fmi3 = archive::beside(&fmu);
+    archive::package(&libraries, Standard::Fmi2, &fmu).unwrap();
+    archive::package(&libraries, Standard::Fmi3, &fmi3).unwrap();
     run(Command::new(python())
         .args(["-m", "pytest", "--verbose", "-p", "no:cacheprovider", "--basetemp"])
         .arg(folder("pytest"))
         .arg(Path::new(ROOT).join("tests/fmi"))
         .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("FMU", &fmu));
+        .env("FMU", &fmu)
+        .env("FMU3", &fmi3));
+}
+
+/// A header of our functions, as cbindgen reads them from these sources.
+fn header(name: &str, standard: &str, sources: &[&str]) -> String {
+    let mut config = cbindgen::Config::from_file(Path::new(ROOT).join("cbindgen.toml")).unwrap();
+    config.includes = vec![standard.to_owned()];
+    let builder = sources.iter().fold(cbindgen::Builder::new().with_config(config), |builder, source| {
+        builder.with_src(Path::new(ROOT).join("src/fmi").join(source))
+    });
+    let path = folder("header").join(name);
+    builder.generate().unwrap().write_to_file(&path);
+    fs::read_to_string(path).unwrap()
+}
+
+/// Whether the compiler takes this text together with the standard's headers.
+fn compiles(name: &str, text: &str) -> Result<(), String> {
+    static STANDARD: OnceLock<String> = OnceLock::new();
+    let standard = STANDARD.get_or_init(|| {
+        let script = "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'), end='')";
+        String::from_utf8(Command::new(python()).args(["-c", script]).output().unwrap().stdout).unwrap()
+    });
+    let source = folder("header").join(name);
+    fs::write(&source, text).unwrap();
+    let mut command = Command::new(std::env::var("CC").unwrap_or_else(|_| "cc".into()));
+    command.args(["-std=c11", "-Wall", "-Wextra", "-Wno-enum-int-mismatch", "-Wno-strict-prototypes", "-Werror"]);
+    command.args(["-fsyntax-only", "-I", standard, "-I"]).arg(folder("header")).arg(source);
+    let output = command.output().unwrap();
+    if output.status.success() { Ok(()) } else { Err(String::from_utf8_lossy(&output.stderr).into_owned()) }
 }
 
 /// The compiler refuses two declarations of one function that differ, and a struct with another layout.
 #[test]
-fn the_header_agrees_with_that_of_the_standard() {
-    let folder = folder("header");
-    let config = cbindgen::Config::from_file(Path::new(ROOT).join("cbindgen.toml")).unwrap();
-    let bindings = cbindgen::Builder::new()
-        .with_config(config)
-        .with_src(Path::new(ROOT).join("src/fmi/fmi2.rs"))
-        .generate()
-        .unwrap();
-    bindings.write_to_file(folder.join("CartilageLineContact.h"));
-    let header = fs::read_to_string(folder.join("CartilageLineContact.h")).unwrap();
+fn the_header_agrees_with_that_of_fmi2() {
+    let header = header("CartilageLineContact2.h", "fmi2Functions.h", &["fmi2.rs"]);
     assert_eq!(header.matches(");\n").count(), 34, "{header}");
 
     let offsets = [
@@ -86,7 +112,7 @@ fn the_header_agrees_with_that_of_the_standard() {
         })
         .collect();
     let source = format!(
-        "#include <stddef.h>\n#include \"fmi2Functions.h\"\n#include \"CartilageLineContact.h\"\n{layout}\
+        "#include <stddef.h>\n#include \"fmi2Functions.h\"\n#include \"CartilageLineContact2.h\"\n{layout}\
          _Static_assert(sizeof(fmi2CallbackFunctions) == {}, \"callbacks\");\n\
          _Static_assert(sizeof(fmi2CallbackLogger) == {}, \"logger\");\n\
          _Static_assert(sizeof(fmi2Status) == 4 && fmi2Fatal == 4 && fmi2Discard == 2, \"status\");\n\
@@ -94,24 +120,35 @@ fn the_header_agrees_with_that_of_the_standard() {
         size_of::<fmi2CallbackFunctions>(),
         size_of::<Logger>(),
     );
-    fs::write(folder.join("agree.c"), source).unwrap();
-    let standard = Command::new(python())
-        .args(["-c", "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'), end='')"])
-        .output()
-        .unwrap();
-    let standard = String::from_utf8(standard.stdout).unwrap();
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let compile = |source: &Path| {
-        let mut command = Command::new(&compiler);
-        command.args(["-std=c11", "-Wall", "-Wextra", "-Wno-enum-int-mismatch", "-Werror", "-fsyntax-only", "-I"]);
-        command.arg(&standard).arg("-I").arg(&folder).arg(source).output().unwrap()
-    };
-    let checked = compile(&folder.join("agree.c"));
-    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+    compiles("agree2.c", &source).unwrap();
 
     // The check can fail: one type in one function makes the compiler refuse the header.
     let wrong = header.replace("double communication_step_size", "float communication_step_size");
     assert_ne!(wrong, header);
-    fs::write(folder.join("wrong.c"), format!("#include <stddef.h>\n#include \"fmi2Functions.h\"\n{wrong}")).unwrap();
-    assert!(!compile(&folder.join("wrong.c")).status.success());
+    assert!(compiles("wrong2.c", &format!("#include <stddef.h>\n#include \"fmi2Functions.h\"\n{wrong}")).is_err());
+}
+
+#[test]
+fn the_header_agrees_with_that_of_fmi3() {
+    let sources = ["fmi3.rs", "fmi3/other_types.rs", "fmi3/absent.rs"];
+    let headers = sources.map(|source| {
+        let name = source.replace('/', "_").replace(".rs", ".h");
+        header(&name, "fmi3Functions.h", &[source]).replace("CARTILAGE_LINE_CONTACT_H", &name.replace('.', "_"))
+    });
+    let header = headers.concat();
+    assert_eq!(header.matches(");\n").count(), 75, "{header}");
+    let source = format!(
+        "#include <stddef.h>\n#include \"fmi3Functions.h\"\n{header}\
+         _Static_assert(sizeof(fmi3Boolean) == {} && sizeof(fmi3Clock) == {}, \"bool\");\n\
+         _Static_assert(sizeof(fmi3LogMessageCallback) == {}, \"logger\");\n\
+         _Static_assert(sizeof(fmi3Status) == 4 && fmi3Fatal == 4 && fmi3Discard == 2, \"status\");\n",
+        size_of::<fmi3Boolean>(),
+        size_of::<fmi3Boolean>(),
+        size_of::<fmi3LogMessageCallback>(),
+    );
+    compiles("agree3.c", &source).unwrap();
+
+    let wrong = source.replace("double communication_step_size", "float communication_step_size");
+    assert_ne!(wrong, source);
+    assert!(compiles("wrong3.c", &wrong).is_err());
 }

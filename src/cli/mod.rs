@@ -14,7 +14,7 @@ use cartilage_contact::error::Error;
 use clap::{Parser, Subcommand};
 
 const EXAMPLES: &str = "\
-Without a command: builds the FMU into target/fmu, loads it back, presses two layers together from 10 um of clearance to \
+Without a command: builds the FMUs (FMI 2.0 and 3.0) into target/fmu, loads one back, presses two layers together from 10 um of clearance to \
 30 um past first touch and releases them at 0.2 m/s, and leaves a table (CSV) and a picture (SVG, PNG) beside the FMU.
 
 Signs and units: everything is in SI units. The penetration depth is the approach of the two bones past first touch of \
@@ -42,7 +42,7 @@ struct Arguments {
 enum Command {
     /// Solve one steady state and print its loads, friction, film and regime
     Solve(solve::Arguments),
-    /// Write the co-simulation FMU (FMI 2.0)
+    /// Write the co-simulation FMU, for FMI 2.0 and for FMI 3.0
     Package(package::Arguments),
 }
 

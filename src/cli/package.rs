@@ -1,41 +1,45 @@
-//! `cartilage-contact package`: the FMU as a file.
+//! `cartilage-contact package`: the FMU as files, one a version of FMI.
 
 use std::path::{Path, PathBuf};
 
 use cartilage_contact::fmi::archive;
+use cartilage_contact::fmi::standard::Standard;
 
 use super::{Failure, print};
 
-/// Where the FMU is written if nothing else is asked for.
+/// Where the FMU of FMI 2.0 is written if nothing else is asked for.
 pub const DEFAULT_OUTPUT: &str = "target/fmu/CartilageLineContact.fmu";
 
-/// Write the co-simulation FMU (FMI 2.0).
+/// Write the co-simulation FMU for FMI 2.0, and beside it that for FMI 3.0 (.fmi3.fmu).
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The shared library to put in; by default the one that was built together with this program
+    /// A shared library to put in, one a platform; by default the one that was built together with this program
     #[arg(long, value_name = "PATH")]
-    library: Option<PathBuf>,
+    library: Vec<PathBuf>,
 
-    /// Where to write the FMU
+    /// Where to write the FMU of FMI 2.0
     #[arg(long, value_name = "PATH", default_value = DEFAULT_OUTPUT)]
     output: PathBuf,
 }
 
-/// Packs and prints where the FMU is.
+/// Packs and prints where the FMUs are.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    package(arguments.library.as_deref(), &arguments.output)?;
-    print(&format!("{}\n", arguments.output.display()))
+    let [fmi2, fmi3] = package(&arguments.library, &arguments.output)?;
+    print(&format!("{}\n{}\n", fmi2.display(), fmi3.display()))
 }
 
-/// Writes the FMU, and the folder it goes into if that is missing.
-pub fn package(library: Option<&Path>, output: &Path) -> Result<(), Failure> {
-    let library = match library {
-        Some(path) => path.to_owned(),
-        None => archive::library_beside(&std::env::current_exe().map_err(|error| {
+/// Writes both FMUs, and the folder they go into if that is missing; returns where they are.
+pub fn package(libraries: &[PathBuf], output: &Path) -> Result<[PathBuf; 2], Failure> {
+    let mut libraries = libraries.to_vec();
+    if libraries.is_empty() {
+        libraries.push(archive::library_beside(&std::env::current_exe().map_err(|error| {
             Failure::Failed(format!(
                 "could not find out where this program is: {error}; name the library with --library"
             ))
-        })?),
-    };
-    Ok(archive::package(&library, output)?)
+        })?));
+    }
+    let outputs = [output.to_owned(), archive::beside(output)];
+    archive::package(&libraries, Standard::Fmi2, &outputs[0])?;
+    archive::package(&libraries, Standard::Fmi3, &outputs[1])?;
+    Ok(outputs)
 }

@@ -41,9 +41,10 @@ impl Recording {
 /// Builds, runs, prints, writes.
 pub fn run() -> Result<(), Failure> {
     let fmu = Path::new(package::DEFAULT_OUTPUT);
-    package::package(None, fmu)?;
-    let size = std::fs::metadata(fmu).map_or(0, |data| data.len());
-    print(&format!("Built {} ({:.1} MB)\n", fmu.display(), size as f64 / 1e6))?;
+    for path in package::package(&[], fmu)? {
+        let size = std::fs::metadata(&path).map_or(0, |data| data.len());
+        print(&format!("Built {} ({:.1} MB)\n", path.display(), size as f64 / 1e6))?;
+    }
 
     let recording = record(fmu).map_err(Failure::Failed)?;
     print(&table(&recording))?;

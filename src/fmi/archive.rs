@@ -1,4 +1,4 @@
-//! The `.fmu` file: a ZIP archive of the description, the library and what goes with them.
+//! The `.fmu` files, one a version of FMI: each a ZIP archive of the description, the library and what goes with them.
 //!
 //! Equal input gives equal bytes: the order is fixed, and every entry has the same date.
 
@@ -10,6 +10,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::error::Error;
+use crate::fmi::standard::Standard;
 use crate::fmi::{MODEL_IDENTIFIER, description, documentation};
 
 const ICON: &[u8] = include_bytes!("../../modelDescription/model.png");
@@ -30,40 +31,74 @@ pub fn library_beside(program: &Path) -> PathBuf {
     if built(&below) > built(&beside) { below } else { beside }
 }
 
-/// Writes the FMU with this library in it, and the folder that `output` is in.
+/// What a library is for: how its bytes begin, the folders that FMI 2 and FMI 3 have for it, and the ending of its file.
+type Platform = (fn(&[u8]) -> bool, Option<&'static str>, &'static str, &'static str);
+
+const PLATFORMS: [Platform; 3] = [
+    (|bytes| is_elf(bytes, 0x3e), Some("linux64"), "x86_64-linux", "so"),
+    // FMI 2 has no name for this one.
+    (|bytes| is_elf(bytes, 0xb7), None, "aarch64-linux", "so"),
+    (|bytes| bytes.starts_with(b"MZ"), Some("win64"), "x86_64-windows", "dll"),
+];
+
+fn is_elf(bytes: &[u8], machine: u8) -> bool {
+    bytes.starts_with(b"\x7fELF\x02") && bytes.get(18) == Some(&machine)
+}
+
+/// Where the FMU of FMI 3 goes: beside that of FMI 2, because a file can have only one `modelDescription.xml`.
+pub fn beside(output: &Path) -> PathBuf {
+    output.with_extension("fmi3.fmu")
+}
+
+/// Writes an FMU with these libraries in it, one a platform, and the folder that `output` is in.
 ///
 /// # Errors
 /// [`Error::File`] saying which file is missing or cannot be written, and what to do.
-pub fn package(library: &Path, output: &Path) -> Result<(), Error> {
-    let bytes = std::fs::read(library).map_err(|error| Error::File {
-        path: library.display().to_string(),
-        message: format!("the FMU's library is missing ({error}); build it with `cargo build --release`"),
-    })?;
-    let is_fmu_library = bytes.starts_with(b"\x7fELF\x02") && bytes.windows(10).any(|window| window == b"fmi2DoStep");
-    if !is_fmu_library {
-        return Err(Error::File {
-            path: library.display().to_string(),
-            message: "not this FMU's 64-bit Linux library; build it with `cargo build --release`".into(),
-        });
+pub fn package(libraries: &[PathBuf], standard: Standard, output: &Path) -> Result<(), Error> {
+    let mut binaries = Vec::new();
+    for library in libraries {
+        let path = library.display().to_string();
+        let bytes = std::fs::read(library).map_err(|error| Error::File {
+            path: path.clone(),
+            message: format!("the FMU's library is missing ({error}); build it with `cargo build --release`"),
+        })?;
+        let platform = PLATFORMS.iter().find(|(fits, ..)| fits(&bytes));
+        let ours = bytes.windows(10).any(|window| window == b"fmi2DoStep");
+        let Some((_, fmi2, fmi3, ending)) = platform.filter(|_| ours) else {
+            let message = "not a 64-bit library of this FMU; build it with `cargo build --release`".into();
+            return Err(Error::File { path, message });
+        };
+        let folder = if standard == Standard::Fmi2 { *fmi2 } else { Some(*fmi3) };
+        if let Some(folder) = folder {
+            binaries.push((format!("binaries/{folder}/{MODEL_IDENTIFIER}.{ending}"), bytes));
+        }
     }
     let failed = |error: &dyn std::fmt::Display| Error::File {
         path: output.display().to_string(),
         message: format!("cannot write the FMU: {error}"),
     };
-    let archive = archive(&bytes).map_err(|error| failed(&error))?;
+    let archive = archive(&binaries, standard).map_err(|error| failed(&error))?;
     if let Some(folder) = output.parent() {
         std::fs::create_dir_all(folder).map_err(|error| failed(&error))?;
     }
     File::create(output).and_then(|mut file| file.write_all(&archive)).map_err(|error| failed(&error))
 }
 
-fn archive(library: &[u8]) -> zip::result::ZipResult<Vec<u8>> {
+fn archive(binaries: &[(String, Vec<u8>)], standard: Standard) -> zip::result::ZipResult<Vec<u8>> {
     let page = documentation::html();
+    let terminals = description::fmi3::terminals();
     let reference = "extra/org.fmi-standard.fmi-ls-ref";
-    let entries: [(String, &[u8]); 11] = [
-        ("modelDescription.xml".into(), description::xml().as_bytes()),
-        ("model.png".into(), ICON),
-        (format!("binaries/linux64/{MODEL_IDENTIFIER}.so"), library),
+    let (description, icons) = match standard {
+        Standard::Fmi2 => (description::fmi2::xml(), vec![("model.png", ICON)]),
+        Standard::Fmi3 => {
+            let folder = [("terminalsAndIcons/terminalsAndIcons.xml", terminals.as_bytes())];
+            (description::fmi3::xml(), [&folder[..], &[("terminalsAndIcons/icon.png", ICON)]].concat())
+        }
+    };
+    let mut entries: Vec<(String, &[u8])> = vec![("modelDescription.xml".into(), description.as_bytes())];
+    entries.extend(icons.into_iter().map(|(name, content)| (name.to_owned(), content)));
+    entries.extend(binaries.iter().map(|(name, content)| (name.clone(), content.as_slice())));
+    entries.extend([
         ("documentation/index.html".into(), page.as_bytes()),
         ("documentation/model.png".into(), ICON),
         ("documentation/licenses/license.txt".into(), LICENSE.as_bytes()),
@@ -72,10 +107,10 @@ fn archive(library: &[u8]) -> zip::result::ZipResult<Vec<u8>> {
         (format!("{reference}/input.csv"), REFERENCE_INPUT.as_bytes()),
         (format!("{reference}/result.csv"), REFERENCE_RESULT.as_bytes()),
         ("resources/README.txt".into(), RESOURCES.as_bytes()),
-    ];
+    ]);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in entries {
-        let permissions = if name.ends_with(".so") { 0o755 } else { 0o644 };
+        let permissions = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(DateTime::default())

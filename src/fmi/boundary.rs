@@ -1,6 +1,6 @@
 //! Between C and safe Rust: handles, slices, strings, the logger, panics.
 //!
-//! Every function of [`fmi2`](crate::fmi::fmi2) passes through [`guard`], so that neither a null handle nor a panic gets
+//! Every function of [`fmi2`](crate::fmi::fmi2) and [`fmi3`](crate::fmi::fmi3) passes through [`guard`], so that neither a null handle nor a panic gets
 //! further than here.
 #![allow(unsafe_code)]
 
@@ -9,8 +9,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::fmi::instance::{Answer, Instance, refuse};
 use crate::fmi::log::{Category, Line, Log, Status};
+use crate::fmi::standard::Standard;
+use crate::fmi::state::SavedState;
 
-/// The importer's message function. It is variadic as `printf` is, and `message` is its format.
+/// The importer's message function in FMI 2. It is variadic as `printf` is, and `message` is its format.
 pub type Logger = unsafe extern "C" fn(
     environment: *mut c_void,
     instance_name: *const c_char,
@@ -20,34 +22,45 @@ pub type Logger = unsafe extern "C" fn(
     ...
 );
 
-/// Where messages go: a copy, because the importer's struct lives only during fmi2Instantiate.
+/// The importer's message function in FMI 3: `message` is text, not a format.
+pub type PlainLogger =
+    unsafe extern "C" fn(environment: *mut c_void, status: c_uint, category: *const c_char, message: *const c_char);
+
+/// The importer's message function, if it gave one.
+#[derive(Clone)]
+pub enum Listener {
+    /// FMI 2's, with the name of the instance.
+    Formatting(Option<Logger>, CString),
+    /// FMI 3's.
+    Plain(Option<PlainLogger>),
+}
+
+/// Where messages go: a copy, because FMI 2's struct lives only during fmi2Instantiate.
 #[derive(Clone)]
 pub struct Messenger {
-    /// The importer's function, if it gave one.
-    pub logger: Option<Logger>,
+    /// The importer's function.
+    pub listener: Listener,
     /// Passed through to it.
     pub environment: *mut c_void,
-    /// Name of the instance.
-    pub instance_name: CString,
 }
 
 impl Messenger {
     /// Hands a line to the importer.
     pub fn tell(&self, line: &Line) {
-        let Some(logger) = self.logger else { return };
         // `#` starts a variable reference in FMI's messages; NUL would end the text.
         let message = line.message.replace('#', "##").replace('\0', " ");
         let (Ok(category), Ok(message)) = (CString::new(line.category.name()), CString::new(message)) else { return };
-        // SAFETY: the importer vouches for its logger and environment until fmi2FreeInstance; the strings outlive the call.
+        let (environment, status) = (self.environment, line.status as c_uint);
+        // SAFETY: the importer vouches for its logger and environment until the instance is freed; the strings outlive
+        // the call.
         unsafe {
-            logger(
-                self.environment,
-                self.instance_name.as_ptr(),
-                line.status as c_uint,
-                category.as_ptr(),
-                c"%s".as_ptr(),
-                message.as_ptr(),
-            );
+            match &self.listener {
+                Listener::Formatting(Some(logger), name) => {
+                    logger(environment, name.as_ptr(), status, category.as_ptr(), c"%s".as_ptr(), message.as_ptr());
+                }
+                Listener::Plain(Some(logger)) => logger(environment, status, category.as_ptr(), message.as_ptr()),
+                Listener::Formatting(None, _) | Listener::Plain(None) => {}
+            }
         }
     }
 }
@@ -59,9 +72,26 @@ pub struct Component {
     poisoned: bool,
 }
 
-/// Makes a handle; [`release`] ends it.
-pub fn create(log: Log, messenger: Messenger) -> *mut c_void {
-    Box::into_raw(Box::new(Component { instance: Instance::new(log), messenger, poisoned: false })).cast()
+/// Makes a handle, which [`release`] ends; or null, and tells why `function` refuses.
+pub fn create(
+    standard: Standard,
+    function: &str,
+    may: impl FnOnce() -> Answer<()>,
+    log: Log,
+    messenger: Messenger,
+) -> *mut c_void {
+    match catch_unwind(AssertUnwindSafe(may)) {
+        Ok(Ok(())) => {
+            let instance = Instance::new(standard, log);
+            Box::into_raw(Box::new(Component { instance, messenger, poisoned: false })).cast()
+        }
+        Ok(Err(refusal)) => {
+            let message = format!("{function}: {}", refusal.message);
+            messenger.tell(&Line { status: Status::Error, category: Category::Error, message });
+            std::ptr::null_mut()
+        }
+        Err(_) => std::ptr::null_mut(),
+    }
 }
 
 /// Ends a handle. Null is ignored.
@@ -79,7 +109,7 @@ pub unsafe fn release(handle: *mut c_void) {
 
 /// Runs the body of an FMI function and turns its outcome into a status; tells the importer why it was not OK.
 ///
-/// A panic poisons the instance: from then on it answers `fmi2Fatal` to everything.
+/// A panic poisons the instance: from then on it answers `Fatal` to everything.
 ///
 /// # Safety
 /// The handle is null or from [`create`], and no other call with it is under way.
@@ -173,4 +203,76 @@ fn usable<T>(name: &str, first: *const T, length: usize) -> Answer<()> {
 pub unsafe fn string(text: *const c_char) -> Option<String> {
     // SAFETY: as the caller vouches.
     (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
+}
+
+/// Hands out a state; in the memory of `*place` where that is not null.
+///
+/// # Safety
+/// `state` is null or points to null or to a state of this FMU.
+pub unsafe fn hand_out(saved: SavedState, state: *mut *mut c_void) -> Answer<()> {
+    // SAFETY: as the caller vouches.
+    let state = unsafe { place("FMUState", state)? };
+    if state.is_null() {
+        *state = Box::into_raw(Box::new(saved)).cast();
+    } else {
+        // SAFETY: as the caller vouches.
+        unsafe { *state.cast::<SavedState>() = saved };
+    }
+    Ok(())
+}
+
+/// A state that was handed out.
+///
+/// # Safety
+/// `state` is null or a state of this FMU.
+pub unsafe fn handed_out<'a>(state: *mut c_void) -> Answer<&'a SavedState> {
+    // SAFETY: as the caller vouches.
+    unsafe { place("FMUState", state.cast::<SavedState>()).map(|saved| &*saved) }
+}
+
+/// Frees a state and sets it to null. Null is ignored.
+///
+/// # Safety
+/// As for [`hand_out`].
+pub unsafe fn take_back(state: *mut *mut c_void) -> Answer<()> {
+    // SAFETY: as the caller vouches.
+    unsafe {
+        if !state.is_null() && !(*state).is_null() {
+            drop(Box::from_raw((*state).cast::<SavedState>()));
+            *state = std::ptr::null_mut();
+        }
+    }
+    Ok(())
+}
+
+/// Writes a state as bytes into an array of just that size.
+///
+/// # Safety
+/// As for [`handed_out`] and [`array_mut`].
+pub unsafe fn write_state(state: *mut c_void, bytes: *mut u8, size: usize) -> Answer<()> {
+    // SAFETY: as the caller vouches.
+    let written = unsafe { handed_out(state)?.to_bytes()? };
+    if size != written.len() {
+        return refuse(format!("size = {size} is not allowed: this state has {} bytes", written.len()));
+    }
+    // SAFETY: as the caller vouches.
+    unsafe { array_mut("serializedState", bytes, size)?.copy_from_slice(&written) };
+    Ok(())
+}
+
+/// Switches log categories.
+///
+/// # Safety
+/// `categories` is null or points to that many strings.
+pub unsafe fn set_debug_logging(
+    it: &mut Instance,
+    on: bool,
+    count: usize,
+    categories: *const *const c_char,
+) -> Answer<()> {
+    // SAFETY: as the caller vouches.
+    let names = unsafe { array("categories", categories, count)? };
+    // SAFETY: as the caller vouches.
+    let names: Vec<String> = names.iter().map(|name| unsafe { string(*name) }.unwrap_or_default()).collect();
+    it.log.switch(on, &names).or_else(refuse)
 }

@@ -1,12 +1,15 @@
-//! The table of variables as `modelDescription.xml`.
+//! The table of variables as `modelDescription.xml`: here what the versions of FMI have in common.
+
+pub mod fmi2;
+pub mod fmi3;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::sync::LazyLock;
 
 use uuid::Uuid;
 
 use crate::fmi::MODEL_IDENTIFIER;
+use crate::fmi::instance::{Answer, refuse};
 use crate::fmi::log::Category;
 use crate::parameters::Value;
 use crate::units::Unit;
@@ -22,30 +25,40 @@ const GENERATION_DATE: &str = "2026-11-22T00:00:00Z";
 pub const SUMMARY: &str = "Lubrication of cartilage on cartilage in a line contact: fluid film, poroelastic layers, \
     solid contact and boundary friction, quasi-steady";
 
-static XML: LazyLock<(String, String)> = LazyLock::new(|| {
-    let body = body();
-    let token = Uuid::new_v5(&Uuid::NAMESPACE_OID, body.as_bytes()).to_string();
-    let head = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription\n  fmiVersion=\"2.0\"\n  \
-         modelName=\"{MODEL_IDENTIFIER}\"\n  guid=\"{token}\"\n"
-    );
-    (head + &body, token)
-});
-
-/// `modelDescription.xml`.
-pub fn xml() -> &'static str {
-    &XML.0
+/// `modelDescription.xml` and its token: a hash of everything else in it, so that a library and a description that do not
+/// belong together are found out.
+pub struct Description {
+    /// The text.
+    pub xml: String,
+    /// FMI 2's GUID, FMI 3's instantiation token.
+    pub token: String,
 }
 
-/// The GUID: a hash of everything else in `modelDescription.xml`, so that a library and a description that do not belong
-/// together are found out.
-pub fn token() -> &'static str {
-    &XML.1
+impl Description {
+    fn new(version: &str, token_name: &str, body: &str) -> Self {
+        let token = Uuid::new_v5(&Uuid::NAMESPACE_OID, body.as_bytes()).to_string();
+        let xml = format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription\n  fmiVersion=\"{version}\"\n  \
+             modelName=\"{MODEL_IDENTIFIER}\"\n  {token_name}=\"{token}\"\n{body}"
+        );
+        Self { xml, token }
+    }
+
+    /// Refuses an instance whose importer read another description.
+    ///
+    /// # Errors
+    /// A message that says which token is right.
+    pub fn check_token(&self, name: &str, given: Option<String>) -> Answer<()> {
+        if given.as_deref() == Some(&self.token) {
+            return Ok(());
+        }
+        let (given, token) = (given.unwrap_or_default(), &self.token);
+        refuse(format!("{name} = \"{given}\" is not allowed: modelDescription.xml of this library has {token}"))
+    }
 }
 
-fn body() -> String {
-    let (start, stop, step) = DEFAULT_EXPERIMENT;
-    let mut xml = String::new();
+/// The attributes of the root element that do not depend on the version.
+fn head(xml: &mut String) {
     for (key, value) in [
         ("description", SUMMARY),
         ("version", env!("CARGO_PKG_VERSION")),
@@ -54,31 +67,28 @@ fn body() -> String {
         ("generationTool", concat!("cartilage-contact ", env!("CARGO_PKG_VERSION"))),
         ("generationDateAndTime", GENERATION_DATE),
         ("variableNamingConvention", "structured"),
-        ("numberOfEventIndicators", "0"),
     ] {
         let _ = writeln!(xml, "  {key}=\"{}\"", escape(value));
     }
-    xml.pop();
-    let _ = write!(
-        xml,
-        ">\n\n  <CoSimulation\n    modelIdentifier=\"{MODEL_IDENTIFIER}\"\n    canHandleVariableCommunicationStepSize=\"true\"\n    \
-         canInterpolateInputs=\"true\"\n    maxOutputDerivativeOrder=\"1\"\n    canNotUseMemoryManagementFunctions=\"true\"\n    \
-         canGetAndSetFMUstate=\"true\"\n    canSerializeFMUstate=\"true\"\n    providesDirectionalDerivative=\"true\"/>\n\n"
-    );
-    units(&mut xml);
-    types(&mut xml);
-    xml += "  <LogCategories>\n";
+}
+
+/// The element that says what the FMU can do.
+fn co_simulation(xml: &mut String, abilities: &[(&str, &str)]) {
+    let _ = write!(xml, "  <CoSimulation\n    modelIdentifier=\"{MODEL_IDENTIFIER}\"");
+    for (ability, value) in abilities {
+        let _ = write!(xml, "\n    {ability}=\"{value}\"");
+    }
+    *xml += "/>\n\n";
+}
+
+fn log_categories_and_experiment(xml: &mut String) {
+    *xml += "  <LogCategories>\n";
     for (name, description) in Category::ITEMS {
         let _ = writeln!(xml, "    <Category name=\"{name}\" description=\"{}\"/>", escape(description));
     }
-    xml += "  </LogCategories>\n\n";
+    *xml += "  </LogCategories>\n\n";
+    let (start, stop, step) = DEFAULT_EXPERIMENT;
     let _ = writeln!(xml, "  <DefaultExperiment startTime=\"{start}\" stopTime=\"{stop}\" stepSize=\"{step}\"/>\n");
-    xml += "  <ModelVariables>\n";
-    VARIABLES.iter().enumerate().for_each(|(reference, variable)| scalar_variable(&mut xml, reference, variable));
-    xml += "  </ModelVariables>\n\n";
-    structure(&mut xml);
-    xml += "</fmiModelDescription>\n";
-    xml
 }
 
 fn units(xml: &mut String) {
@@ -105,18 +115,19 @@ fn units(xml: &mut String) {
     *xml += "  </UnitDefinitions>\n\n";
 }
 
-/// An enumeration type has the name of the (one) variable that has it.
-fn types(xml: &mut String) {
+/// The types of enumerations, each within the elements that a version of FMI puts around its items. A type has the name of
+/// the (one) variable that has it.
+fn types(xml: &mut String, opening: fn(&str) -> String, closing: &str, indent: &str) {
     *xml += "  <TypeDefinitions>\n";
     for variable in VARIABLES.iter() {
         if let Type::Enumeration(items) = variable.data_type() {
-            let _ = writeln!(xml, "    <SimpleType name=\"{}\">\n      <Enumeration>", type_name(variable));
+            *xml += &opening(&type_name(variable));
             for ((word, description), value) in items.iter().zip(1..) {
                 let description = escape(description);
                 let _ =
-                    writeln!(xml, "        <Item name=\"{word}\" value=\"{value}\" description=\"{description}\"/>");
+                    writeln!(xml, "{indent}<Item name=\"{word}\" value=\"{value}\" description=\"{description}\"/>");
             }
-            *xml += "      </Enumeration>\n    </SimpleType>\n";
+            *xml += closing;
         }
     }
     *xml += "  </TypeDefinitions>\n\n";
@@ -127,29 +138,19 @@ fn type_name(variable: &Variable) -> String {
     format!("{}_type", variable.name)
 }
 
-fn scalar_variable(xml: &mut String, reference: usize, variable: &Variable) {
-    let role = match (variable.source, variable.data_type()) {
+/// What FMI calls the role of a variable.
+fn role(variable: &Variable) -> &'static str {
+    match (variable.source, variable.data_type()) {
         (Source::Input(_), _) => "causality=\"input\" variability=\"continuous\"",
         (Source::Parameter(_), _) => "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"",
         (_, Type::Real) => "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
         _ => "causality=\"output\" variability=\"discrete\" initial=\"calculated\"",
-    };
-    let _ = writeln!(
-        xml,
-        "    <ScalarVariable name=\"{}\" valueReference=\"{reference}\" {role}\n      description=\"{}\">",
-        variable.name,
-        escape(&variable.description)
-    );
-    *xml += match variable.data_type() {
-        Type::Real => "      <Real",
-        Type::Integer => "      <Integer",
-        Type::Boolean => "      <Boolean",
-        Type::Enumeration(_) => "      <Enumeration",
-    };
-    for (key, value) in attributes(variable) {
-        let _ = write!(xml, " {key}=\"{value}\"");
     }
-    *xml += "/>\n    </ScalarVariable>\n";
+}
+
+/// Whether an output depends on the inputs: all do but the stations.
+fn depends_on_inputs(variable: &Variable) -> bool {
+    !matches!(variable.source, Source::Position(_))
 }
 
 fn attributes(variable: &Variable) -> Vec<(&'static str, String)> {
@@ -184,26 +185,6 @@ fn start_text(variable: &Variable, value: &Value) -> String {
         }
         (other, _) => other.to_string(),
     }
-}
-
-/// Every output depends on all inputs, except the stations, which depend on none.
-fn structure(xml: &mut String) {
-    let indices = |wanted: fn(&Variable) -> bool| {
-        let found = VARIABLES.iter().zip(1..).filter(move |(variable, _)| wanted(variable));
-        found.map(|(_, index): (_, usize)| index.to_string()).collect::<Vec<_>>()
-    };
-    let inputs = indices(|variable| matches!(variable.source, Source::Input(_))).join(" ");
-    let stations = indices(|variable| matches!(variable.source, Source::Position(_)));
-    *xml += "  <ModelStructure>\n";
-    for list in ["Outputs", "InitialUnknowns"] {
-        let _ = writeln!(xml, "    <{list}>");
-        for index in indices(Variable::is_output) {
-            let dependencies = if stations.contains(&index) { "" } else { &inputs };
-            let _ = writeln!(xml, "      <Unknown index=\"{index}\" dependencies=\"{dependencies}\"/>");
-        }
-        let _ = writeln!(xml, "    </{list}>");
-    }
-    *xml += "  </ModelStructure>\n\n";
 }
 
 /// The shortest text that reads back as the same number.

@@ -10,11 +10,15 @@
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 
-use crate::fmi::boundary::{Logger, Messenger, array, array_mut, create, guard, place, release, string};
+use crate::fmi::boundary::{
+    Listener, Logger, Messenger, array, array_mut, create, guard, hand_out, handed_out, place, release,
+    set_debug_logging, string, take_back, write_state,
+};
 use crate::fmi::description;
 use crate::fmi::instance::{Answer, Instance, Refusal, refuse};
-use crate::fmi::log::{Category, Line, Log, Status};
+use crate::fmi::log::{Log, Status};
 use crate::fmi::phase::Call;
+use crate::fmi::standard::Standard;
 use crate::fmi::state::SavedState;
 
 /// `fmi2CallbackFunctions`. Of these only the logger is used: memory is Rust's own, and steps are synchronous.
@@ -60,19 +64,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     count: usize,
     categories: *const *const c_char,
 ) -> c_uint {
-    unsafe { guard(component, "fmi2SetDebugLogging", |it| set_debug_logging(it, logging_on, count, categories)) }
-}
-
-unsafe fn set_debug_logging(
-    it: &mut Instance,
-    on: c_int,
-    count: usize,
-    categories: *const *const c_char,
-) -> Answer<()> {
-    it.check(Call::Any)?;
-    let names = unsafe { array("categories", categories, count)? };
-    let names: Vec<String> = names.iter().map(|name| unsafe { string(*name) }.unwrap_or_default()).collect();
-    it.log.switch(on != 0, &names).or_else(refuse)
+    unsafe { guard(component, "fmi2SetDebugLogging", |it| set_debug_logging(it, logging_on != 0, count, categories)) }
 }
 
 /// Makes an instance; null, and a message why, where that is not possible.
@@ -88,20 +80,10 @@ pub unsafe extern "C" fn fmi2Instantiate(
 ) -> *mut c_void {
     let Some(functions) = (unsafe { functions.as_ref() }) else { return std::ptr::null_mut() };
     let name = unsafe { string(instance_name) }.unwrap_or_default();
-    let messenger = Messenger {
-        logger: functions.logger,
-        environment: functions.component_environment,
-        instance_name: CString::new(name.as_str()).unwrap_or_default(),
-    };
-    match std::panic::catch_unwind(|| may_instantiate(&name, fmu_type, unsafe { string(guid) })) {
-        Ok(Ok(())) => create(Log::new(logging_on != 0), messenger),
-        Ok(Err(refusal)) => {
-            let message = format!("fmi2Instantiate: {}", refusal.message);
-            messenger.tell(&Line { status: Status::Error, category: Category::Error, message });
-            std::ptr::null_mut()
-        }
-        Err(_) => std::ptr::null_mut(),
-    }
+    let listener = Listener::Formatting(functions.logger, CString::new(name.as_str()).unwrap_or_default());
+    let messenger = Messenger { listener, environment: functions.component_environment };
+    let may = || may_instantiate(&name, fmu_type, unsafe { string(guid) });
+    create(Standard::Fmi2, "fmi2Instantiate", may, Log::new(logging_on != 0), messenger)
 }
 
 fn may_instantiate(name: &str, fmu_type: c_uint, guid: Option<String>) -> Answer<()> {
@@ -111,14 +93,7 @@ fn may_instantiate(name: &str, fmu_type: c_uint, guid: Option<String>) -> Answer
     if fmu_type != CO_SIMULATION {
         return refuse(format!("fmuType = {fmu_type} is not allowed: this FMU is for co-simulation (1)"));
     }
-    let token = description::token();
-    if guid.as_deref() != Some(token) {
-        let given = guid.unwrap_or_default();
-        return refuse(format!(
-            "fmuGUID = \"{given}\" is not allowed: modelDescription.xml of this library has {token}"
-        ));
-    }
-    Ok(())
+    description::fmi2::check_token("fmuGUID", guid)
 }
 
 /// Ends an instance. Null is ignored.
@@ -219,7 +194,9 @@ pub unsafe extern "C" fn fmi2GetString(
     count: usize,
     _values: *mut *const c_char,
 ) -> c_uint {
-    unsafe { guard(component, "fmi2GetString", |it| it.no_strings(Call::Get, array("vr", references, count)?)) }
+    unsafe {
+        guard(component, "fmi2GetString", |it| it.none_of_type(Call::Get, "String", array("vr", references, count)?))
+    }
 }
 
 /// Sets real parameters and inputs.
@@ -275,46 +252,27 @@ pub unsafe extern "C" fn fmi2SetString(
     count: usize,
     _values: *const *const c_char,
 ) -> c_uint {
-    unsafe { guard(component, "fmi2SetString", |it| it.no_strings(Call::Set, array("vr", references, count)?)) }
+    unsafe {
+        guard(component, "fmi2SetString", |it| it.none_of_type(Call::Set, "String", array("vr", references, count)?))
+    }
 }
 
 /// Copies the state; into the memory of `*state` where that is not null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(component: *mut c_void, state: *mut *mut c_void) -> c_uint {
-    unsafe { guard(component, "fmi2GetFMUstate", |it| hand_out(it.save(), place("FMUstate", state)?)) }
-}
-
-unsafe fn hand_out(saved: SavedState, state: &mut *mut c_void) -> Answer<()> {
-    if state.is_null() {
-        *state = Box::into_raw(Box::new(saved)).cast();
-    } else {
-        unsafe { *state.cast::<SavedState>() = saved };
-    }
-    Ok(())
-}
-
-unsafe fn saved<'a>(state: *mut c_void) -> Answer<&'a SavedState> {
-    unsafe { place("FMUstate", state.cast::<SavedState>()).map(|saved| &*saved) }
+    unsafe { guard(component, "fmi2GetFMUstate", |it| hand_out(it.save(), state)) }
 }
 
 /// Returns to a copied state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetFMUstate(component: *mut c_void, state: *mut c_void) -> c_uint {
-    unsafe { guard(component, "fmi2SetFMUstate", |it| it.restore(saved(state)?)) }
+    unsafe { guard(component, "fmi2SetFMUstate", |it| it.restore(handed_out(state)?)) }
 }
 
 /// Frees a copied state and sets it to null. Null is ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(component: *mut c_void, state: *mut *mut c_void) -> c_uint {
-    unsafe {
-        guard(component, "fmi2FreeFMUstate", |_| {
-            if !state.is_null() && !(*state).is_null() {
-                drop(Box::from_raw((*state).cast::<SavedState>()));
-                *state = std::ptr::null_mut();
-            }
-            Ok(())
-        })
-    }
+    unsafe { guard(component, "fmi2FreeFMUstate", |_| take_back(state)) }
 }
 
 /// How many bytes fmi2SerializeFMUstate writes.
@@ -326,7 +284,7 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
 ) -> c_uint {
     unsafe {
         guard(component, "fmi2SerializedFMUstateSize", |_| {
-            *place("size", size)? = saved(state)?.to_bytes()?.len();
+            *place("size", size)? = handed_out(state)?.to_bytes()?.len();
             Ok(())
         })
     }
@@ -340,16 +298,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     bytes: *mut c_char,
     size: usize,
 ) -> c_uint {
-    unsafe {
-        guard(component, "fmi2SerializeFMUstate", |_| {
-            let written = saved(state)?.to_bytes()?;
-            if size != written.len() {
-                return refuse(format!("size = {size} is not allowed: this state has {} bytes", written.len()));
-            }
-            array_mut("serializedState", bytes.cast(), size)?.copy_from_slice(&written);
-            Ok(())
-        })
-    }
+    unsafe { guard(component, "fmi2SerializeFMUstate", |_| write_state(state, bytes.cast(), size)) }
 }
 
 /// Reads a state from bytes; into the memory of `*state` where that is not null.
@@ -363,7 +312,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     unsafe {
         guard(component, "fmi2DeSerializeFMUstate", |_| {
             let read = SavedState::from_bytes(array("serializedState", bytes.cast(), size)?)?;
-            hand_out(read, place("FMUstate", state)?)
+            hand_out(read, state)
         })
     }
 }

@@ -5,6 +5,7 @@
 use crate::error::Error;
 use crate::fmi::log::{Category, Log, Status};
 use crate::fmi::phase::{Call, Phase};
+use crate::fmi::standard::{Element, Standard};
 use crate::fmi::state::{SavedState, Settings};
 use crate::parameters::Value;
 use crate::simulation::Simulation;
@@ -22,7 +23,7 @@ pub struct Refusal {
 /// Outcome of a call.
 pub type Answer<T> = Result<T, Refusal>;
 
-/// Refuses with `fmi2Error`.
+/// Refuses with the status `Error`.
 pub fn refuse<T>(message: impl Into<String>) -> Answer<T> {
     Err(Refusal { status: Status::Error, message: message.into() })
 }
@@ -36,6 +37,8 @@ impl From<Error> for Refusal {
 
 /// One instance: settings, and the simulation once it is needed.
 pub struct Instance {
+    /// The version of FMI that its importer speaks.
+    pub standard: Standard,
     /// What the importer is told.
     pub log: Log,
     pub(super) settings: Settings,
@@ -51,8 +54,8 @@ fn later(a: f64, b: f64, step: f64) -> bool {
 
 impl Instance {
     /// A fresh instance with the start values of the table.
-    pub fn new(log: Log) -> Self {
-        Self { log, settings: Settings::default(), simulation: None }
+    pub fn new(standard: Standard, log: Log) -> Self {
+        Self { standard, log, settings: Settings::default(), simulation: None }
     }
 
     /// Where it is in its life.
@@ -62,17 +65,18 @@ impl Instance {
 
     /// Refuses a call that the standard does not allow now.
     pub fn check(&self, call: Call) -> Answer<()> {
-        if call.phases().contains(&self.settings.phase) {
+        let phases = call.phases(self.standard);
+        if phases.contains(&self.settings.phase) {
             return Ok(());
         }
-        let allowed: Vec<_> = call.phases().iter().map(Phase::to_string).collect();
+        let allowed: Vec<_> = phases.iter().map(Phase::to_string).collect();
         if allowed.is_empty() {
             return refuse("no step is pending: steps of this FMU are never asynchronous");
         }
         refuse(format!("not allowed {}; allowed {}", self.settings.phase, allowed.join(", ")))
     }
 
-    /// fmi2SetupExperiment. The tolerance is not used: that of the solver is the parameter `tolerance`.
+    /// fmi2SetupExperiment, and the start of fmi3EnterInitializationMode. The tolerance is not used: that of the solver is the parameter `tolerance`.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer<()> {
         self.check(Call::SetupExperiment)?;
         if let Some(value) = tolerance.filter(|value| !(value.is_finite() && *value > 0.0)) {
@@ -89,7 +93,7 @@ impl Instance {
         Ok(())
     }
 
-    /// fmi2EnterInitializationMode.
+    /// Enters initialization mode.
     pub fn enter_initialization_mode(&mut self) -> Answer<()> {
         self.check(Call::EnterInitializationMode)?;
         self.settings.parameters.validate()?;
@@ -97,82 +101,100 @@ impl Instance {
         Ok(())
     }
 
-    /// fmi2ExitInitializationMode: from here the parameters are fixed.
+    /// Ends initialization mode: from here the parameters are fixed.
     pub fn exit_initialization_mode(&mut self) -> Answer<()> {
         self.check(Call::ExitInitializationMode)?;
-        // fmi2Discard is not among the answers that the standard allows here.
+        // Discard is not among the answers that FMI 2 allows here.
         self.solve_if_needed().map_err(|refusal| Refusal { status: Status::Error, ..refusal })?;
         self.settings.phase = Phase::StepComplete;
         Ok(())
     }
 
-    /// fmi2Terminate.
+    /// Ends the run.
     pub fn terminate(&mut self) -> Answer<()> {
         self.check(Call::Terminate)?;
         self.settings.phase = Phase::Terminated;
         Ok(())
     }
 
-    /// fmi2Reset: as freshly instantiated.
+    /// As freshly instantiated.
     pub fn reset(&mut self) -> Answer<()> {
         self.settings = Settings::default();
         self.simulation = None;
         Ok(())
     }
 
-    /// fmi2GetReal.
+    /// fmi2GetReal, fmi3GetFloat64.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<()> {
-        self.get(references, values, "Real", |_, value| match value {
+        self.get(references, values, Type::Real, |_, value| match value {
             Value::Real(v) => Some(v),
             _ => None,
         })
     }
 
-    /// fmi2GetInteger; enumerations count from 1.
+    /// fmi2GetInteger, where enumerations count from 1; fmi3GetInt32, which has none.
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<()> {
-        self.get(references, values, "Integer", |variable, value| match (value, variable.data_type()) {
-            (Value::Integer(v), _) => i32::try_from(v).ok(),
-            (Value::Text(word), Type::Enumeration(items)) => {
-                items.iter().zip(1..).find(|((item, _), _)| *item == word).map(|(_, number)| number)
-            }
+        let standard = self.standard;
+        self.get(references, values, Type::Integer, move |data_type, value| match value {
+            Value::Integer(v) => i32::try_from(v).ok(),
+            word if standard == Standard::Fmi2 => number_of(data_type, &word).and_then(|v| i32::try_from(v).ok()),
             _ => None,
         })
     }
 
-    /// fmi2GetBoolean.
-    pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Answer<()> {
-        self.get(references, values, "Boolean", |_, value| match value {
-            Value::Boolean(v) => Some(i32::from(v)),
+    /// fmi3GetInt64: enumerations, counted from 1.
+    pub fn get_enumeration(&mut self, references: &[u32], values: &mut [i64]) -> Answer<()> {
+        self.get(references, values, Type::Enumeration(&[]), |data_type, value| number_of(data_type, &value))
+    }
+
+    /// fmi2GetBoolean, fmi3GetBoolean.
+    pub fn get_boolean<T: From<bool>>(&mut self, references: &[u32], values: &mut [T]) -> Answer<()> {
+        self.get(references, values, Type::Boolean, |_, value| match value {
+            Value::Boolean(v) => Some(v.into()),
             _ => None,
         })
     }
 
-    /// fmi2GetString and fmi2SetString: there are no string variables.
-    pub fn no_strings(&self, call: Call, references: &[u32]) -> Answer<()> {
+    /// The functions for types that no variable has.
+    pub fn none_of_type(&self, call: Call, wanted: &str, references: &[u32]) -> Answer<()> {
         self.check(call)?;
-        match references.first() {
-            Some(reference) => refuse(wrong_type(lookup(*reference)?, "String")),
+        match self.standard.elements(references)?.first() {
+            Some(element) => refuse(self.standard.wrong_type(*element, wanted)),
             None => Ok(()),
         }
+    }
+
+    /// What a value reference stands for, if there is room for all of it.
+    fn elements(&self, references: &[u32], room: usize) -> Answer<Vec<Element>> {
+        let elements = self.standard.elements(references)?;
+        if elements.len() != room {
+            return refuse(format!("nValues = {room} is not allowed: these variables have {} values", elements.len()));
+        }
+        Ok(elements)
     }
 
     fn get<T>(
         &mut self,
         references: &[u32],
         values: &mut [T],
-        wanted: &str,
-        convert: impl Fn(&Variable, Value) -> Option<T>,
+        wanted: Type,
+        convert: impl Fn(Type, Value) -> Option<T>,
     ) -> Answer<()> {
         self.check(Call::Get)?;
-        let variables = references.iter().map(|reference| lookup(*reference)).collect::<Answer<Vec<_>>>()?;
-        if variables.iter().any(|variable| variable.is_output()) {
-            self.solve_if_needed()?;
+        let elements = self.elements(references, values.len())?;
+        let result = elements.iter().find(|element| matches!(element, Element::Row(variable) if variable.is_output()));
+        match result {
+            Some(element) if self.settings.phase == Phase::Instantiated => {
+                return refuse(format!("{} has no value before initialization mode", element.name()));
+            }
+            Some(_) => self.solve_if_needed()?,
+            None => {}
         }
         let mut found = Vec::with_capacity(values.len());
-        for variable in variables {
-            match convert(variable, self.value(variable)?) {
+        for element in elements {
+            match convert(element.data_type(), self.value(element)?) {
                 Some(value) => found.push(value),
-                None => return refuse(wrong_type(variable, wanted)),
+                None => return refuse(self.standard.wrong_type(element, self.standard.functions(wanted))),
             }
         }
         for (value, found) in values.iter_mut().zip(found) {
@@ -181,8 +203,9 @@ impl Instance {
         Ok(())
     }
 
-    fn value(&self, variable: &Variable) -> Answer<Value> {
-        let Settings { parameters, inputs, .. } = &self.settings;
+    fn value(&self, element: Element) -> Answer<Value> {
+        let Settings { parameters, inputs, time, .. } = &self.settings;
+        let Element::Row(variable) = element else { return Ok(Value::Real(*time)) };
         let value = match (variable.source, &self.simulation) {
             (Source::Input(_) | Source::Parameter(_), _) => {
                 variable.get(&View { parameters, inputs, outputs: &crate::outputs::Outputs::default(), position: &[] })
@@ -196,29 +219,32 @@ impl Instance {
         }
     }
 
-    /// fmi2SetReal.
+    /// fmi2SetReal, fmi3SetFloat64.
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<()> {
-        self.set(references, values, "Real", |variable, value| {
-            (variable.data_type() == Type::Real).then_some(Value::Real(value))
+        self.set(references, values, Type::Real, |data_type, value| {
+            (data_type == Type::Real).then_some(Value::Real(value))
         })
     }
 
-    /// fmi2SetInteger; enumerations count from 1.
+    /// fmi2SetInteger, where enumerations count from 1; fmi3SetInt32, which has none.
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Answer<()> {
-        self.set(references, values, "Integer", |variable, value| match variable.data_type() {
+        let standard = self.standard;
+        self.set(references, values, Type::Integer, move |data_type, value| match data_type {
             Type::Integer => Some(Value::Integer(value.into())),
-            Type::Enumeration(items) => {
-                let item = value.checked_sub(1).and_then(|index| items.get(usize::try_from(index).ok()?));
-                Some(item.map_or(Value::Integer(value.into()), |(word, _)| Value::Text((*word).into())))
-            }
+            _ if standard == Standard::Fmi2 => word_of(data_type, value.into()),
             _ => None,
         })
     }
 
-    /// fmi2SetBoolean.
-    pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Answer<()> {
-        self.set(references, values, "Boolean", |variable, value| {
-            (variable.data_type() == Type::Boolean).then_some(Value::Boolean(value != 0))
+    /// fmi3SetInt64: enumerations, counted from 1.
+    pub fn set_enumeration(&mut self, references: &[u32], values: &[i64]) -> Answer<()> {
+        self.set(references, values, Type::Enumeration(&[]), word_of)
+    }
+
+    /// fmi2SetBoolean, fmi3SetBoolean: everything but 0 is true.
+    pub fn set_boolean<T: Copy + Default + PartialEq>(&mut self, references: &[u32], values: &[T]) -> Answer<()> {
+        self.set(references, values, Type::Boolean, |data_type, value| {
+            (data_type == Type::Boolean).then_some(Value::Boolean(value != T::default()))
         })
     }
 
@@ -226,14 +252,16 @@ impl Instance {
         &mut self,
         references: &[u32],
         values: &[T],
-        wanted: &str,
-        convert: impl Fn(&Variable, T) -> Option<Value>,
+        wanted: Type,
+        convert: impl Fn(Type, T) -> Option<Value>,
     ) -> Answer<()> {
         self.check(Call::Set)?;
         let (mut parameters, mut inputs) = (self.settings.parameters, self.settings.inputs);
-        for (reference, value) in references.iter().zip(values) {
-            let variable = lookup(*reference)?;
-            let Some(value) = convert(variable, *value) else { return refuse(wrong_type(variable, wanted)) };
+        for (element, value) in self.elements(references, values.len())?.into_iter().zip(values) {
+            let variable = element.row()?;
+            let Some(value) = convert(variable.data_type(), *value) else {
+                return refuse(self.standard.wrong_type(element, self.standard.functions(wanted)));
+            };
             if matches!(variable.source, Source::Parameter(_)) && self.settings.phase == Phase::StepComplete {
                 return refuse(format!(
                     "{} = {value} comes too late: it is a fixed parameter, to be set before initialization ends",
@@ -252,7 +280,7 @@ impl Instance {
         Ok(())
     }
 
-    /// fmi2DoStep: the steady solution for the inputs at the end of the step.
+    /// The function DoStep: the steady solution for the inputs at the end of the step.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<()> {
         self.check(Call::DoStep)?;
         let Settings { time, stop_time, inputs, input_rates, .. } = self.settings;
@@ -279,7 +307,8 @@ impl Instance {
             }
         }
         if let Err(refusal) = self.solve(target) {
-            if refusal.status == Status::Discard {
+            // FMI 3 has no state for this: the instance is where it was, and a smaller step may follow.
+            if refusal.status == Status::Discard && self.standard == Standard::Fmi2 {
                 self.settings.phase = Phase::StepFailed;
             }
             return Err(refusal);
@@ -291,18 +320,23 @@ impl Instance {
         Ok(())
     }
 
+    /// The communication point.
+    pub fn time(&self) -> f64 {
+        self.settings.time
+    }
+
     /// fmi2GetRealStatus(fmi2LastSuccessfulTime).
     pub fn last_successful_time(&self) -> Answer<f64> {
         self.check(Call::GetStatus)?;
         Ok(self.settings.time)
     }
 
-    /// fmi2GetFMUstate.
+    /// Copies the state.
     pub fn save(&self) -> SavedState {
         SavedState::new(&self.settings, self.simulation.as_ref())
     }
 
-    /// fmi2SetFMUstate. On an error nothing changes.
+    /// Returns to a copied state. On an error nothing changes.
     pub fn restore(&mut self, saved: &SavedState) -> Answer<()> {
         let Some(snapshot) = &saved.snapshot else {
             self.simulation = None;
@@ -342,21 +376,17 @@ impl Instance {
     }
 }
 
-pub(super) fn lookup(reference: u32) -> Answer<&'static Variable> {
-    match usize::try_from(reference).ok().and_then(|index| VARIABLES.get(index)) {
-        Some(variable) => Ok(variable),
-        None => refuse(format!("value reference {reference} is unknown; there are 0 to {}", VARIABLES.len() - 1)),
-    }
+/// The number of an enumeration's item, from 1.
+fn number_of(data_type: Type, word: &Value) -> Option<i64> {
+    let (Type::Enumeration(items), Value::Text(word)) = (data_type, word) else { return None };
+    items.iter().zip(1..).find(|((item, _), _)| item == word).map(|(_, number)| number)
 }
 
-fn wrong_type(variable: &Variable, wanted: &str) -> String {
-    let actual = match variable.data_type() {
-        Type::Real => "a Real: use the functions for Real",
-        Type::Integer => "an Integer: use the functions for Integer",
-        Type::Boolean => "a Boolean: use the functions for Boolean",
-        Type::Enumeration(_) => "an Enumeration: use the functions for Integer",
-    };
-    format!("{} is no {wanted} but {actual}", variable.name)
+/// The item of an enumeration with this number; the number itself, to be refused by name, where there is none.
+fn word_of(data_type: Type, number: i64) -> Option<Value> {
+    let Type::Enumeration(items) = data_type else { return None };
+    let item = number.checked_sub(1).and_then(|index| items.get(usize::try_from(index).ok()?));
+    Some(item.map_or(Value::Integer(number), |(word, _)| Value::Text((*word).into())))
 }
 
 /// Tells an importer, which knows the items of an enumeration as numbers, those numbers.

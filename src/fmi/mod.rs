@@ -2,6 +2,7 @@
 //!
 //! | Module | Role |
 //! |---|---|
+//! | [`standard`] | what differs between the versions of FMI |
 //! | [`phase`] | which call is legal when |
 //! | [`log`] | which messages the importer wants |
 //! | [`instance`] | one instance: inputs, outputs, steps; knows nothing of C |
@@ -9,9 +10,10 @@
 //! | [`state`] | saved states and their bytes |
 //! | [`description`] | `modelDescription.xml` |
 //! | [`documentation`] | `documentation/index.html` |
-//! | [`archive`] | the `.fmu` file |
+//! | [`archive`] | the `.fmu` files |
 //! | [`boundary`] | handles, slices and strings from C, panics |
 //! | [`fmi2`] | the 34 functions of FMI 2.0 for co-simulation |
+//! | [`fmi3`] | the 75 functions of FMI 3.0 |
 
 pub mod archive;
 pub mod boundary;
@@ -19,9 +21,11 @@ pub mod derivatives;
 pub mod description;
 pub mod documentation;
 pub mod fmi2;
+pub mod fmi3;
 pub mod instance;
 pub mod log;
 pub mod phase;
+pub mod standard;
 pub mod state;
 
 /// Name of the FMU, its library and its file.

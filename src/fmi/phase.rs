@@ -1,10 +1,12 @@
-//! Which call is legal when: the table in section 4.2.4 of FMI 2.0, as data.
+//! Which call is legal when: the table in section 4.2.4 of FMI 2.0 and the state machines of FMI 3.0, as data.
 //!
 //! The standard's columns *stepInProgress* and *stepCanceled* are missing because steps are never asynchronous. Its
 //! column *error* is missing because a refused call changes nothing here: the importer may restore, reset or free the
 //! instance as the standard asks, or put the mistake right and go on.
 
 use std::fmt;
+
+use crate::fmi::standard::Standard;
 
 /// Where an instance is in its life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -15,7 +17,7 @@ pub enum Phase {
     Initialization,
     /// At a communication point.
     StepComplete,
-    /// The last step did not converge; what can be read is the communication point before it.
+    /// FMI 2 only: the last step did not converge; what can be read is the communication point before it.
     StepFailed,
     /// The run is over; results can still be read.
     Terminated,
@@ -28,7 +30,7 @@ impl fmt::Display for Phase {
             Self::Initialization => "in initialization mode",
             Self::StepComplete => "at a communication point",
             Self::StepFailed => "after a step that failed",
-            Self::Terminated => "after fmi2Terminate",
+            Self::Terminated => "after the run was terminated",
         })
     }
 }
@@ -55,9 +57,11 @@ pub enum Call {
 
 impl Call {
     /// The phases in which it is legal.
-    pub const fn phases(self) -> &'static [Phase] {
+    pub const fn phases(self, standard: Standard) -> &'static [Phase] {
         use Phase::{Initialization, Instantiated, StepComplete, StepFailed, Terminated};
         match self {
+            // FMI 3: start values can be read back.
+            Self::Get if matches!(standard, Standard::Fmi3) => Self::Any.phases(standard),
             Self::SetupExperiment | Self::EnterInitializationMode => &[Instantiated],
             Self::ExitInitializationMode => &[Initialization],
             Self::Terminate => &[StepComplete, StepFailed],

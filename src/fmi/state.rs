@@ -1,4 +1,5 @@
-//! Saved states: in memory for fmi2GetFMUstate, as bytes for fmi2SerializeFMUstate.
+//! Saved states: in memory for fmi2GetFMUstate and fmi3GetFMUState, as bytes for fmi2SerializeFMUstate and
+//! fmi3SerializeFMUState.
 //!
 //! The bytes start with a check sum over the FMU's token, the crate's version and the payload. Bytes that were cut,
 //! altered, or written by another FMU or version are refused before anything is read from them.
@@ -92,11 +93,11 @@ impl SavedState {
     }
 }
 
-/// Differs where the payload, the FMU's table of variables, or the version that wrote it differs.
+/// The same in every version of FMI. Differs where the payload, the FMU's table of variables, or the version that wrote it differs.
 fn check_sum(payload: &[u8]) -> Uuid {
     let writer = Uuid::new_v5(
         &Uuid::NAMESPACE_OID,
-        format!("{} {}", description::token(), env!("CARGO_PKG_VERSION")).as_bytes(),
+        format!("{} {}", description::fmi2::token(), env!("CARGO_PKG_VERSION")).as_bytes(),
     );
     Uuid::new_v5(&writer, payload)
 }

@@ -1,4 +1,7 @@
-"""What the tests of the FMU share. Run by `cargo test --release --test python`, which names the FMU in `FMU`."""
+"""What the tests of the FMUs share.
+
+Run by `cargo test --release --test python`, which names the FMU of FMI 2.0 in `FMU` and that of FMI 3.0 in `FMU3`.
+"""
 
 import os
 from contextlib import contextmanager
@@ -6,14 +9,26 @@ from contextlib import contextmanager
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 
 # A mesh on which a solution takes a few milliseconds. These tests are about the FMU, not about the numbers.
 COARSE = {"mesh.columns": 16, "mesh.rows": 2}
 
 
 @pytest.fixture(scope="session")
-def fmu():
+def fmu2():
     return os.environ["FMU"]
+
+
+@pytest.fixture(scope="session")
+def fmu3():
+    return os.environ["FMU3"]
+
+
+@pytest.fixture(scope="session", params=["FMU", "FMU3"])
+def fmu(request):
+    """Each FMU in turn: what is tested with it holds for both."""
+    return os.environ[request.param]
 
 
 @pytest.fixture(scope="session")
@@ -45,30 +60,47 @@ def instantiate(folder, description):
 
 
 class Slave:
-    """An instance whose variables are known by name, on a coarse mesh."""
+    """An instance whose variables are known by name, on a coarse mesh, whatever the version of FMI."""
 
     def __init__(self, name, folder, description):
+        self.variables = {v.name: v for v in description.modelVariables}
         self.references = {v.name: v.valueReference for v in description.modelVariables}
-        self.types = {v.name: v.type for v in description.modelVariables}
-        self.outputs = [v.name for v in description.modelVariables if v.causality == "output" and v.type == "Real"]
+        reals = ("Real", "Float64")
+        self.outputs = [v.name for v in description.modelVariables if v.causality == "output" and v.type in reals]
         self.time = 0.0
-        self.fmu = FMU2Slave(
+        self.version = 3 if description.fmiVersion.startswith("3") else 2
+        kind = FMU3Slave if self.version == 3 else FMU2Slave
+        self.fmu = kind(
             guid=description.guid,
             unzipDirectory=folder,
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=name,
         )
+        self.begin()
+
+    def begin(self, **parameters):
         self.fmu.instantiate()
-        self.fmu.setupExperiment(startTime=0.0)
-        self.set(**COARSE)
+        self.time = 0.0
+        self.set(**{**COARSE, **parameters})
+        if self.version == 2:
+            self.fmu.setupExperiment(startTime=0.0)
+
+    def end(self):
+        free = self.fmu.fmi3FreeInstance if self.version == 3 else self.fmu.fmi2FreeInstance
+        free(self.fmu.component)
 
     def set(self, **values):
         for name, value in values.items():
-            setter = self.fmu.setReal if self.types[name] == "Real" else self.fmu.setInteger
-            setter([self.references[name]], [value])
+            kind = self.variables[name].type
+            getattr(self.fmu, f"set{kind}")([self.references[name]], [value])
 
     def get(self, *names):
-        values = self.fmu.getReal([self.references[name] for name in names])
+        references = [self.references[name] for name in names]
+        if self.version == 2:
+            values = self.fmu.getReal(references)
+        else:
+            lengths = [int(d.start) for name in names for d in self.variables[name].dimensions]
+            values = self.fmu.getFloat64(references, len(names) - len(lengths) + sum(lengths))
         return values[0] if len(names) == 1 else values
 
     def everything(self):
@@ -81,3 +113,18 @@ class Slave:
 
     def derivative(self, unknown, known):
         return self.fmu.getDirectionalDerivative([self.references[unknown]], [self.references[known]], [1.0])[0]
+
+    def save(self):
+        return self.fmu.getFMUState() if self.version == 3 else self.fmu.getFMUstate()
+
+    def restore(self, state):
+        (self.fmu.setFMUState if self.version == 3 else self.fmu.setFMUstate)(state)
+
+    def drop(self, state):
+        (self.fmu.freeFMUState if self.version == 3 else self.fmu.freeFMUstate)(state)
+
+    def to_bytes(self, state):
+        return (self.fmu.serializeFMUState if self.version == 3 else self.fmu.serializeFMUstate)(state)
+
+    def from_bytes(self, data):
+        return (self.fmu.deserializeFMUState if self.version == 3 else self.fmu.deSerializeFMUstate)(data)

@@ -4,7 +4,9 @@ import math
 import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
@@ -21,10 +23,24 @@ SCALAR_OUTPUTS = {
 PROFILES = ["position", "film_thickness", "fluid_pressure", "contact_pressure"]
 
 
+def read(fmu, name="modelDescription.xml"):
+    with zipfile.ZipFile(fmu) as archive:
+        return etree.fromstring(archive.read(name))
+
+
 @pytest.fixture(scope="module")
 def xml(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        return etree.fromstring(archive.read("modelDescription.xml"))
+    return read(fmu)
+
+
+def variables(xml):
+    """Every variable as the element that has its type, with what FMI 2 puts into the element around it."""
+    if xml.get("fmiVersion") == "2.0":
+        for variable in xml.iterfind(".//ScalarVariable"):
+            variable[0].attrib.update(variable.attrib)
+            yield variable[0]
+    else:
+        yield from xml.find("ModelVariables")
 
 
 def test_fmpy_finds_nothing_wrong(fmu):
@@ -45,7 +61,8 @@ def test_variables_have_the_promised_names_and_roles(description):
         by_causality.setdefault(variable.causality, set()).add(variable.name)
     assert by_causality["input"] == INPUTS
     assert SCALAR_OUTPUTS <= by_causality["output"]
-    assert {f"{name}[{i}]" for name in PROFILES for i in range(1, 102)} <= by_causality["output"]
+    stations = {f"{name}[{i}]" for name in PROFILES for i in range(1, 102)}
+    assert (stations if description.fmiVersion == "2.0" else set(PROFILES)) <= by_causality["output"]
     for body in ["upper", "lower"]:
         for name in "outer_radius thickness shear_modulus bulk_modulus permeability biot_coefficient".split():
             assert f"{body}.{name}" in by_causality["parameter"]
@@ -55,7 +72,7 @@ def test_variables_have_the_promised_names_and_roles(description):
 def test_every_length_pressure_force_and_speed_has_a_unit(description):
     dimensionless = ("coefficient", "support", "number", "ratio", "grading", "tolerance")
     for variable in description.modelVariables:
-        if variable.type == "Real":
+        if variable.type in ("Real", "Float64") and variable.causality != "independent":
             assert (variable.unit is None) == variable.name.endswith(dimensionless), variable.name
 
 
@@ -76,8 +93,10 @@ def test_start_values_lie_in_their_ranges_and_zero_is_an_input(description):
 
 
 def test_inputs_have_a_start_and_no_initial(xml):
-    for variable in xml.iterfind(".//ScalarVariable[@causality='input']"):
-        assert "initial" not in variable.attrib and "start" in variable[0].attrib
+    inputs = [variable for variable in variables(xml) if variable.get("causality") == "input"]
+    assert {variable.get("name") for variable in inputs} == INPUTS
+    for variable in inputs:
+        assert "initial" not in variable.attrib and "start" in variable.attrib
 
 
 def test_references_and_names_are_unique(description):
@@ -87,36 +106,70 @@ def test_references_and_names_are_unique(description):
 
 
 def test_structure_lists_exactly_the_outputs_depending_on_inputs_in_order(xml):
-    variables = xml.findall(".//ScalarVariable")
-    outputs = [i for i, variable in enumerate(variables, 1) if variable.get("causality") == "output"]
-    inputs = {i for i, variable in enumerate(variables, 1) if variable.get("causality") == "input"}
-    for section in ["Outputs", "InitialUnknowns"]:
-        unknowns = xml.findall(f".//ModelStructure/{section}/Unknown")
-        assert [int(unknown.get("index")) for unknown in unknowns] == outputs
+    two = xml.get("fmiVersion") == "2.0"
+    known_by = [str(i) if two else v.get("valueReference") for i, v in enumerate(variables(xml), 1)]
+    roles = dict(zip(known_by, (v.get("causality") for v in variables(xml))))
+    outputs = [name for name, role in roles.items() if role == "output"]
+    inputs = {name for name, role in roles.items() if role == "input"}
+    for section in ["Outputs/Unknown", "InitialUnknowns/Unknown"] if two else ["Output", "InitialUnknown"]:
+        unknowns = xml.findall(f".//ModelStructure/{section}")
+        assert [unknown.get("index" if two else "valueReference") for unknown in unknowns] == outputs
         for unknown in unknowns:
-            dependencies = [int(index) for index in unknown.get("dependencies").split()]
-            assert dependencies == sorted(set(dependencies)) and set(dependencies) <= inputs
+            dependencies = unknown.get("dependencies").split()
+            assert dependencies == sorted(set(dependencies), key=int) and set(dependencies) <= inputs
+
+
+FLAGS = {
+    "2.0": [
+        "canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canNotUseMemoryManagementFunctions",
+        "canGetAndSetFMUstate", "canSerializeFMUstate", "providesDirectionalDerivative",
+    ],
+    "3.0": [
+        "canHandleVariableCommunicationStepSize", "canGetAndSetFMUState", "canSerializeFMUState",
+        "providesDirectionalDerivatives", "providesAdjointDerivatives",
+    ],
+}  # fmt: skip
 
 
 def test_flags_say_what_works(xml):
     flags = xml.find("CoSimulation").attrib
-    for flag in [
-        "canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canNotUseMemoryManagementFunctions",
-        "canGetAndSetFMUstate", "canSerializeFMUstate", "providesDirectionalDerivative",
-    ]:  # fmt: skip
+    for flag in FLAGS[xml.get("fmiVersion")]:
         assert flags[flag] == "true"
     assert flags["maxOutputDerivativeOrder"] == "1"
 
 
 def test_head_is_well_formed(xml):
-    assert xml.get("fmiVersion") == "2.0"
     assert xml.get("generationDateAndTime").endswith("Z")
-    assert not set("{}") & set(xml.get("guid"))
+    assert not set("{}") & set(xml.get("guid") or xml.get("instantiationToken"))
     names = [category.get("name") for category in xml.iterfind(".//LogCategories/Category")]
     assert len(names) == len(set(names)) > 0
     experiment = {key: float(value) for key, value in xml.find("DefaultExperiment").attrib.items()}
     assert experiment["startTime"] < experiment["stopTime"]
     assert 0 < experiment["stepSize"] < experiment["stopTime"] - experiment["startTime"]
+
+
+def test_profiles_are_arrays_in_fmi3(fmu3):
+    arrays = {v.get("name"): int(v[0].get("start")) for v in read(fmu3).find("ModelVariables") if len(v)}
+    assert arrays == dict.fromkeys(PROFILES, 101)
+
+
+def test_both_versions_have_the_same_scalars(fmu2, fmu3):
+    two, three = ({v.get("name"): v for v in variables(read(fmu))} for fmu in (fmu2, fmu3))
+    assert {name for name in two if "[" not in name} == set(three) - {*PROFILES, "time"}
+    for name in set(two) & set(three):
+        for key in ["valueReference", "causality", "unit", "min", "max", "start", "nominal", "displayUnit"]:
+            assert two[name].get(key) == three[name].get(key), f"{key} of {name}"
+
+
+def test_the_terminal_is_valid_and_has_all_inputs_and_forces(fmu3):
+    terminals = read(fmu3, "terminalsAndIcons/terminalsAndIcons.xml")
+    schema = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+    etree.XMLSchema(file=str(schema)).assertValid(terminals)
+    (contact,) = terminals.iterfind(".//Terminal")
+    members = {member.get("variableName") for member in contact}
+    assert contact.get("name") == "contact"
+    assert members == INPUTS | {"normal_force", "upper_friction_force", "lower_friction_force"}
+    assert members <= {v.get("name") for v in variables(read(fmu3))}
 
 
 def test_archive_has_plain_entries_with_one_date(fmu):
@@ -125,8 +178,13 @@ def test_archive_has_plain_entries_with_one_date(fmu):
         assert archive.testzip() is None
     names = [entry.filename for entry in entries]
     assert len(names) == len(set(names))
+    of_the_version = {
+        2: {"model.png", "binaries/linux64/CartilageLineContact.so"},
+        3: {"terminalsAndIcons/icon.png", "binaries/x86_64-linux/CartilageLineContact.so"},
+    }
+    assert of_the_version[3 if fmu.endswith(".fmi3.fmu") else 2] <= set(names)
     assert {
-        "modelDescription.xml", "model.png", "binaries/linux64/CartilageLineContact.so", "documentation/index.html",
+        "modelDescription.xml", "documentation/index.html",
         "documentation/licenses/license.txt", "documentation/licenses/third-party.txt",
         "extra/org.fmi-standard.fmi-ls-ref/result.csv",
     } <= set(names)  # fmt: skip

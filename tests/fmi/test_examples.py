@@ -20,3 +20,12 @@ def test_drive_fmu(fmu):
     assert len(result) == 11
     assert np.isfinite(result.tolist()).all()
     assert (np.diff(result["load"])[1:] > 0).all()
+
+
+def test_two_compartments(fmu2, tmp_path):
+    result = load("two_compartments").main(fmu2, tmp_path / "knee.ssp", parameters=COARSE)
+    assert np.isfinite(result.tolist()).all()
+    medial, lateral = result["medial.normal_force"], result["lateral.normal_force"]
+    assert (np.diff(medial[2:]) > 0).all() and (np.diff(lateral[2:]) > 0).all()
+    # The thicker layer gives way more.
+    assert (lateral[2:] < medial[2:]).all()

@@ -1,0 +1,134 @@
+//! `modelDescription.xml` and `terminalsAndIcons.xml` of FMI 3.0.
+
+use std::fmt::Write;
+use std::sync::LazyLock;
+
+use super::{
+    Description, attributes, co_simulation, depends_on_inputs, escape, head, log_categories_and_experiment, role,
+    types, units,
+};
+use crate::fmi::instance::Answer;
+use crate::fmi::standard::{Standard, TIME_REFERENCE};
+use crate::units::Unit;
+use crate::variables::{Source, Type, VARIABLES, Variable};
+
+/// The version, as both files name it.
+const VERSION: &str = "3.0";
+
+static DESCRIPTION: LazyLock<Description> = LazyLock::new(|| Description::new(VERSION, "instantiationToken", &body()));
+
+/// `modelDescription.xml`.
+pub fn xml() -> &'static str {
+    &DESCRIPTION.xml
+}
+
+/// The instantiation token.
+pub fn token() -> &'static str {
+    &DESCRIPTION.token
+}
+
+/// Refuses another token.
+pub fn check_token(name: &str, given: Option<String>) -> Answer<()> {
+    DESCRIPTION.check_token(name, given)
+}
+
+fn body() -> String {
+    let mut xml = String::new();
+    head(&mut xml);
+    xml.pop();
+    xml += ">\n\n";
+    let abilities = [
+        ("canHandleVariableCommunicationStepSize", "true"),
+        ("maxOutputDerivativeOrder", "1"),
+        ("canGetAndSetFMUState", "true"),
+        ("canSerializeFMUState", "true"),
+        ("providesDirectionalDerivatives", "true"),
+        ("providesAdjointDerivatives", "true"),
+    ];
+    co_simulation(&mut xml, &abilities);
+    units(&mut xml);
+    let opening = |name: &str| format!("    <EnumerationType name=\"{name}\">\n");
+    types(&mut xml, opening, "    </EnumerationType>\n", "      ");
+    log_categories_and_experiment(&mut xml);
+    xml += "  <ModelVariables>\n";
+    for (reference, row, length) in Standard::Fmi3.variables() {
+        variable(&mut xml, reference, row, length);
+    }
+    let _ = writeln!(
+        xml,
+        "    <Float64 name=\"time\" valueReference=\"{TIME_REFERENCE}\" causality=\"independent\" variability=\"continuous\"\n      \
+         description=\"Time\"/>"
+    );
+    xml += "  </ModelVariables>\n\n";
+    structure(&mut xml);
+    xml += "</fmiModelDescription>\n";
+    xml
+}
+
+/// A profile has the name and the description of its first station, without what they say of the station.
+fn profile_text<'a>(text: &'a str, end: &str) -> &'a str {
+    text.split(end).next().unwrap_or(text)
+}
+
+fn variable(xml: &mut String, reference: u32, variable: &Variable, length: usize) {
+    let element = match variable.data_type() {
+        Type::Real => "Float64",
+        Type::Integer => "Int32",
+        Type::Boolean => "Boolean",
+        Type::Enumeration(_) => "Enumeration",
+    };
+    let (mut name, mut description) = (variable.name.as_str(), variable.description.clone());
+    if length > 1 {
+        name = profile_text(name, "[");
+        description = format!("{} at {length} stations", profile_text(&description, ", station"));
+    }
+    let _ = write!(
+        xml,
+        "    <{element} name=\"{name}\" valueReference=\"{reference}\" {}\n      description=\"{}\"",
+        role(variable),
+        escape(&description)
+    );
+    for (key, value) in attributes(variable) {
+        let _ = write!(xml, " {key}=\"{value}\"");
+    }
+    if length > 1 {
+        let _ = writeln!(xml, ">\n      <Dimension start=\"{length}\"/>\n    </{element}>");
+    } else {
+        *xml += "/>\n";
+    }
+}
+
+/// Unknowns are known by their value references.
+fn structure(xml: &mut String) {
+    let inputs = Standard::Fmi3.variables().filter(|(_, variable, _)| matches!(variable.source, Source::Input(_)));
+    let inputs = inputs.map(|(reference, ..)| reference.to_string()).collect::<Vec<_>>().join(" ");
+    *xml += "  <ModelStructure>\n";
+    for element in ["Output", "InitialUnknown"] {
+        for (reference, variable, _) in Standard::Fmi3.variables().filter(|(_, variable, _)| variable.is_output()) {
+            let dependencies = if depends_on_inputs(variable) { &inputs } else { "" };
+            let _ = writeln!(xml, "    <{element} valueReference=\"{reference}\" dependencies=\"{dependencies}\"/>");
+        }
+    }
+    *xml += "  </ModelStructure>\n\n";
+}
+
+/// `terminalsAndIcons.xml`: what a mechanical model connects to belongs to one terminal, all inputs and all forces.
+pub fn terminals() -> String {
+    let mut xml = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"{VERSION}\">\n  <Terminals>\n    \
+         <Terminal name=\"contact\" matchingRule=\"bus\"\n      \
+         description=\"The two bodies in contact: how they move, and the forces between them\">\n"
+    );
+    for variable in VARIABLES.iter() {
+        let force = variable.is_output() && variable.is_scalar() && variable.unit == Unit::Newton;
+        if force || matches!(variable.source, Source::Input(_)) {
+            let name = &variable.name;
+            let _ = writeln!(
+                xml,
+                "      <TerminalMemberVariable variableName=\"{name}\" memberName=\"{name}\" variableKind=\"signal\"/>"
+            );
+        }
+    }
+    xml += "    </Terminal>\n  </Terminals>\n</fmiTerminalsAndIcons>\n";
+    xml
+}
