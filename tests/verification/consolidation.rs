@@ -27,7 +27,7 @@ fn column(consistent: bool, order: i32, surface: Condition) -> Strip {
         fluid_compressibility: 0.0,
         consistent,
     };
-    let depths = uniform(1.0, 24).into_iter().map(|s| H * s * s).collect::<Vec<_>>();
+    let depths = uniform(1.0, if order == 2 { 24 } else { 64 }).into_iter().map(|s| H * s * s).collect::<Vec<_>>();
     let base = depths.len() - 1;
     Strip::new(flat(&uniform(H / 4.0, 1), &depths, order), tissue, [1e-8, 10.0], |field, i, j| match (field, i, j) {
         (X, 0 | 2, _) => Condition::Fixed,
@@ -100,7 +100,9 @@ fn ramp_and_relaxation_of_mow() {
         let dt = end / 40.0;
         for step in 0..80 {
             strip.step(f64::from(step) * dt, dt, |strip, time| {
-                [0, 1, 2].map(|i| strip.node(i, 0)).map(|n| strip.prescribed[Y][n] = -speed * time.min(end));
+                for n in [0, 1, 2].map(|i| strip.node(i, 0)) {
+                    strip.prescribed[Y][n] = -speed * time.min(end);
+                }
             });
             let time = f64::from(step + 1) * dt;
             if [20, 40, 60, 80].contains(&(step + 1)) {

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use approx::assert_relative_eq;
 use cartilage_contact::equations::film::{Film, MassRate};
-use cartilage_contact::parameters::{Body, Inputs, Mesh, Parameters};
+use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::Simulation;
 
 use crate::line::Line;
@@ -160,12 +160,13 @@ fn rigid_circular_bodies_have_the_pressure_of_the_sector() {
         thickness: 1e-5,
         shear_modulus: 1e10,
         bulk_modulus: 1e10,
-        permeability: 1e-18,
+        permeability: 1e-24,
         biot_coefficient: 0.0,
     };
     let parameters = Parameters {
         upper: rigid,
         lower: rigid,
+        formulation: Formulation::Consistent,
         mesh: Mesh { columns: 200, rows: 1, column_grading: 3.0, row_grading: 0.0 },
         ..Parameters::default()
     };
@@ -190,12 +191,13 @@ fn rigid_circular_bodies_have_the_friction_of_rolling_and_sliding() {
         thickness: 1e-5,
         shear_modulus: 1e10,
         bulk_modulus: 1e10,
-        permeability: 1e-18,
+        permeability: 1e-24,
         biot_coefficient: 0.0,
     };
     let parameters = Parameters {
         upper: rigid,
         lower: rigid,
+        formulation: Formulation::Consistent,
         shear_film_offset: 1e-9,
         mesh: Mesh { columns: 200, rows: 1, column_grading: 3.5, row_grading: 0.0 },
         ..Parameters::default()
