@@ -10,6 +10,11 @@ mod pair;
 mod strip;
 
 mod consolidation;
+mod dry_contact;
 mod film_alone;
+mod harmonic_pressure;
 mod mandel;
+mod paper_case;
+mod porous_film;
+mod soft_film;
 mod solid_alone;
