@@ -10,11 +10,14 @@ mod pair;
 mod strip;
 
 mod consolidation;
+mod derivatives;
 mod dry_contact;
 mod film_alone;
 mod harmonic_pressure;
+mod identities;
 mod mandel;
 mod paper_case;
 mod porous_film;
+mod reach;
 mod soft_film;
 mod solid_alone;

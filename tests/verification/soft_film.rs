@@ -33,8 +33,10 @@ fn film_elements_on_a_winkler_foundation() {
     let stations: Vec<f64> = (0..=8000).map(|i| 40.0 * length * (f64::from(i) / 4000.0 - 1.0)).collect();
     let mut line = Line::new(film, stations, |x| H0 + x * x / (2.0 * R), U);
     for [n, h_star, load, p_max, p_min, h_min] in TABLE {
-        line.compliance = n * H0 / pressure;
-        line.solve();
+        for step in [0.25, 0.5, 1.0] {
+            line.compliance = step * n * H0 / pressure;
+            line.solve();
+        }
         let extreme = |sign: f64| line.pressure.iter().fold(0.0, |m: f64, p| m.max(sign * p)) / pressure;
         let thinnest = (0..line.stations.len()).map(|i| line.thickness(i) / H0).fold(f64::INFINITY, f64::min);
         // The flux U h*/2 in the middle of the mesh.

@@ -38,6 +38,10 @@ pub struct Strip {
     pub prescribed: [Vec<f64>; 3],
     /// Nodal forces [N/m] and nodal inflows of fluid [m^2/s].
     pub sources: [Vec<f64>; 3],
+    /// Height below which a rigid body keeps the surface nodes, u_y <= obstacle, without friction; none if empty.
+    pub obstacle: Vec<f64>,
+    /// Stations that it presses on.
+    pub active: Vec<bool>,
     /// dJ/dt of every element.
     pub rates: Vec<VolumeRate>,
     /// Reactions: what the elements add up to at each node, before sources. Forces on the layer, and inflow of fluid.
@@ -81,7 +85,7 @@ impl Strip {
         let cells: Vec<Vec<u32>> = (0..mesh.elements())
             .map(|e| numbers.iter().flat_map(|numbers| mesh.element_nodes(e).map(|n| numbers[n])).collect())
             .collect();
-        let modulus = tissue.solid.bulk_modulus + 4.0 / 3.0 * tissue.solid.shear_modulus;
+        let modulus = modulus(&tissue);
         let (mut rows, mut columns) = (vec![0.0; count as usize], vec![0.0; count as usize]);
         for (f, numbers) in numbers.iter().enumerate() {
             for n in numbers.iter().filter(|n| **n != FIXED) {
@@ -99,6 +103,8 @@ impl Strip {
             speed: 0.0,
             loaded_side: 0.0,
             prescribed: zeros(),
+            obstacle: Vec::new(),
+            active: Vec::new(),
             sources: zeros(),
             reactions: zeros(),
             unknowns: vec![0.0; count as usize],
@@ -107,6 +113,10 @@ impl Strip {
             linear,
             scales,
         }
+    }
+
+    fn modulus(&self) -> f64 {
+        modulus(&self.tissue)
     }
 
     /// Node at a station and level.
@@ -213,7 +223,20 @@ impl Problem for Strip {
                 residual[*number as usize] += self.reactions[f][n] - self.sources[f][n];
             }
         }
-        Ok(false)
+        let modulus = self.modulus();
+        let mut changed = false;
+        self.active.resize(self.obstacle.len(), false);
+        for (i, obstacle) in self.obstacle.iter().enumerate() {
+            let number = self.numbers[Y][self.node(i, 0)] as usize;
+            let pressing = if self.active[i] { -residual[number] } else { 0.0 };
+            let now = pressing - modulus * (obstacle - unknowns[number]) > 0.0;
+            changed |= now != self.active[i];
+            self.active[i] = now;
+            if now {
+                residual[number] = modulus * (unknowns[number] - obstacle);
+            }
+        }
+        Ok(changed)
     }
 
     fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String> {
@@ -223,6 +246,16 @@ impl Problem for Strip {
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
             self.terms(element, &self.local(element, unknowns), terms).unwrap();
             matrix.copy_from_slice(&tangent);
+            if !self.active.is_empty() && element.is_multiple_of(self.mesh.rows) {
+                let first = 2 * (element / self.mesh.rows);
+                for a in (0..3).filter(|a| self.active[first + a]) {
+                    let row = NODES + a;
+                    (0..LOCAL).for_each(|j| matrix[j * LOCAL + row] = 0.0);
+                    // A node between two elements gets half from each.
+                    let end = first + a == 0 || first + a == 2 * self.mesh.columns;
+                    matrix[row * LOCAL + row] = self.modulus() * if a == 1 || end { 1.0 } else { 0.5 };
+                }
+            }
         });
         self.linear = linear;
         result.map_err(|e| e.to_string())
@@ -242,6 +275,11 @@ impl Problem for Strip {
         }
         size
     }
+}
+
+/// Modulus of uniaxial strain.
+fn modulus(tissue: &Tissue) -> f64 {
+    tissue.solid.bulk_modulus + 4.0 / 3.0 * tissue.solid.shear_modulus
 }
 
 /// A flat layer of this length and thickness whose surface is y = 0, below it (a lower body) and moving along x.
