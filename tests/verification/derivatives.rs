@@ -1,8 +1,10 @@
-//! The derivatives that [`Simulation::derivatives`] reports against central differences of re-solved states.
+//! The derivatives that `Simulation::derivatives` reports against central differences of re-solved states.
 //!
-//! Varied: formulation, film and contact, slide-to-roll ratio, all three inputs, every output. In film 1e-6 relative to the
-//! derivative (Newton's tolerance 1e-12; steps of 1e-4 of the input's scale). In contact, the state is smooth only between
-//! changes of the active set: there steps are short and the tolerance is 1e-4.
+//! Varied: formulation, film and contact, slide-to-roll ratio, all three inputs, every output and its profiles. Fourth-order
+//! differences over short steps (Newton's tolerance 1e-11), so that no station enters or leaves the contact. Tolerance: 1e-6 of
+//! the derivative plus 1e-6 of the output's size over the input's scale (10 micron, 0.2 m/s, 1). Of two equal bodies that move
+//! alike the more stressed one changes where the slide-to-roll ratio passes zero: there the largest von Mises stress has a kink,
+//! and is left out.
 
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Formulation, Inputs, Mesh, Parameters};
@@ -41,13 +43,12 @@ fn numbers(o: &Outputs) -> Vec<(String, f64)> {
     all
 }
 
-fn worst(simulation: &mut Simulation, at: Inputs, steps: [f64; 3]) -> f64 {
+fn compare(simulation: &mut Simulation, at: Inputs, steps: [f64; 3]) {
     simulation.solve_steady(at).unwrap();
     let start = simulation.snapshot();
     let value = simulation.outputs().clone();
     let derivatives = [Input::PenetrationDepth, Input::SlidingSpeed, Input::SlideToRollRatio]
         .map(|i| simulation.derivatives(i).clone());
-    let mut worst = 0.0_f64;
     for (k, (derivative, step)) in derivatives.into_iter().zip(steps).enumerate() {
         let mut moved = |s: f64| {
             simulation.restore(&start).unwrap();
@@ -65,17 +66,20 @@ fn worst(simulation: &mut Simulation, at: Inputs, steps: [f64; 3]) -> f64 {
         let names = numbers(&derivative);
         for (i, (name, exact)) in names.into_iter().enumerate() {
             let difference = (8.0 * (c[i].1 - b[i].1) - (d[i].1 - a[i].1)) / (12.0 * step);
-            // What a change by the whole scale of the input would make of round-off in the value.
-            let floor = 1e-9 * numbers(&value)[i].1.abs() / step * 1e-3;
-            let error = (difference - exact).abs() / (exact.abs() + floor).max(1e-300);
-            if error > 1e-6 {
-                println!("  input {k} {name}: {exact} {difference} error {error:e} value {}", numbers(&value)[i].1);
-            }
-            worst = worst.max(error);
+            let size = match name.as_str() {
+                n if n.starts_with("film_thickness") => 1e-6,
+                n if n.ends_with("film_thickness") || n.ends_with("position") || n == "contact_length" => 1e-6,
+                n if n.contains("pressure") => value.maximum_fluid_pressure,
+                n if n.contains("load") && !n.contains("support") => value.load,
+                n if n.contains("force") => value.load * value.friction_coefficient,
+                _ => numbers(&value)[i].1.abs(),
+            };
+            let error = (difference - exact).abs() / (exact.abs() + size / [1e-5, 0.2, 1.0][k]);
+            let kink = k == 2 && at.slide_to_roll_ratio == 0.0 && name == "maximum_von_mises_stress";
+            assert!(error < 1e-6 || kink, "{at}, input {k}, {name}: {exact}, by differences {difference}");
         }
     }
     simulation.restore(&start).unwrap();
-    worst
 }
 
 #[test]
@@ -89,16 +93,17 @@ fn in_film_and_in_contact() {
         };
         let mut simulation = Simulation::new(&parameters).unwrap();
         for (micron, ratio, steps) in [
-            (-10.0, 0.0, [1e-9, 1e-4, 1e-3]),
-            (5.0, 0.3, [1e-9, 1e-4, 1e-3]),
+            (-10.0, 0.0, [1e-9, 2e-5, 1e-4]),
+            (5.0, 0.3, [1e-9, 2e-5, 1e-4]),
             (16.0, 0.3, [1e-11, 1e-6, 1e-5]),
             (16.0, 0.0, [1e-11, 1e-6, 1e-5]),
+            (28.0, 0.3, [1e-11, 1e-6, 1e-5]),
         ] {
             let at = Inputs { penetration_depth: micron * 1e-6, sliding_speed: 0.2, slide_to_roll_ratio: ratio };
-            let worst = worst(&mut simulation, at, steps);
-            println!(
-                "{formulation:?} d {micron} ratio {ratio}: {worst:e} solid load {}",
-                simulation.outputs().solid_load
+            compare(&mut simulation, at, steps);
+            assert_eq!(
+                simulation.outputs().solid_load > 1.0,
+                micron > 20.0 || (micron > 12.0 && formulation == Formulation::Paper)
             );
         }
     }
