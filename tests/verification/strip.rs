@@ -124,11 +124,6 @@ impl Strip {
         station * self.mesh.levels() + level
     }
 
-    /// Number of stations along the surface.
-    pub fn stations(&self) -> usize {
-        2 * self.mesh.columns + 1
-    }
-
     /// Value of a field at a node.
     pub fn value(&self, field: usize, node: usize) -> f64 {
         self.at(&self.unknowns, field, node)
