@@ -131,7 +131,8 @@ impl Strip {
 
     /// Gives a field at a node a value to start from.
     pub fn start_from(&mut self, field: usize, node: usize, value: f64) {
-        if let number @ 0..FIXED = self.numbers[field][node] {
+        let number = self.numbers[field][node];
+        if number != FIXED {
             self.unknowns[number as usize] = value;
         }
     }
