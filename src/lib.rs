@@ -1,4 +1,69 @@
-//! Lubrication of cartilage on cartilage.
+//! Lubrication of cartilage on cartilage: two poroelastic layers on bone, the film of fluid between them, and their contact.
+//!
+//! The model is that of de Boer, Raske, Soltanahmadi, Bryant and Hewson, *Compliant-poroelastic lubrication in
+//! cartilage-on-cartilage line contacts*, Tribology - Materials, Surfaces & Interfaces 14(3), 2020, in plane strain.
+//!
+//! # Equations
+//!
+//! ```text
+//! solid     Div P = alpha grad p,  P = dW/dF            paper: as printed
+//!           Div (P - alpha p J F^-T) = 0                consistent: total stress
+//! W         G/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2       weighted by alpha and 1 - alpha in the paper
+//! pore flow div(rho q) + alpha rho (dJ/dt + v . grad J) = 0,  q = -(kappa/eta) grad p
+//! film      d(rho h)/dt + d/dx [rho (-h^3/(12 eta) dp/dx + U h/2)] = rho (q1.n1 + q2.n2)
+//! contact   h >= 0,  p_c >= 0,  p_c h = 0,  and boundary friction mu_s p_c
+//! ```
+//!
+//! v is the rotation of each body about its centre, with U_i at the articular surface. Both bodies and the film share the pressure
+//! on the interface, so that one set of equations holds them all; Newton's method solves them together.
+//!
+//! # Notation
+//!
+//! | symbol | name | unit |
+//! |---|---|---|
+//! | d | `penetration_depth`: approach of the bones past first touch, positive = approach | m |
+//! | U = U1 + U2 | `sliding_speed`; U_i is positive along +x | m/s |
+//! | (U1 - U2)/U | `slide_to_roll_ratio` | 1 |
+//! | h | `film_thickness` | m |
+//! | p, p_c | `fluid_pressure` (gauge), `contact_pressure` | Pa |
+//! | L = L_f + L_s | `load`, `fluid_load`, `solid_load`, per unit depth | N/m |
+//! | T1, T2 | `upper_friction_force` (along -x), `lower_friction_force` (along +x) | N |
+//! | mu, mu_f, mu_s | `friction_coefficient`, `fluid_friction_coefficient`, `boundary_friction_coefficient` | 1 |
+//! | b | `contact_length` | m |
+//! | G, K, alpha | `shear_modulus`, `bulk_modulus`, `biot_coefficient` | Pa, Pa, 1 |
+//! | kappa | `permeability`; kappa/eta is the hydraulic permeability | m^2 |
+//! | eta, rho, chi | `viscosity`, `density`, `fluid_compressibility` | Pa s, kg/m^3, 1/Pa |
+//!
+//! # The way of a number
+//!
+//! ```text
+//! case file or FMU variable -> parameters::Parameters, parameters::Inputs
+//!   -> simulation::Simulation::solve_steady         steps along the way from the present inputs (solver::continuation)
+//!     -> solver::newton::solve                      on equations::system::System, with the active set of contact
+//!       -> equations::{tissue, film}                weak forms: residual and tangent of an element
+//!         -> laws::{neo_hookean, darcy, film, contact}   formulas and their derivatives at a point
+//!       -> solver::linear::Multifrontal             eliminates
+//!   -> outputs::Outputs                             and its derivatives by the inputs
+//!   -> variables::VARIABLES                         names, units and references: command line, CSV, fmi
+//! ```
+//!
+//! # One state
+//!
+//! ```
+//! use cartilage_contact::parameters::{Inputs, Mesh, Parameters};
+//! use cartilage_contact::simulation::{Input, Simulation};
+//!
+//! # fn main() -> Result<(), cartilage_contact::error::Error> {
+//! let mesh = Mesh { columns: 40, rows: 4, ..Parameters::default().mesh };
+//! let mut contact = Simulation::new(&Parameters { mesh, ..Parameters::default() })?;
+//! contact.solve_steady(Inputs { penetration_depth: 0.0, sliding_speed: 0.2, slide_to_roll_ratio: 0.0 })?;
+//! let outputs = contact.outputs();
+//! assert!((outputs.load - 9.2).abs() < 0.1, "{} N/m", outputs.load);
+//! assert!((outputs.minimum_film_thickness - 3.17e-6).abs() < 0.1e-6);
+//! assert!(contact.derivatives(Input::PenetrationDepth).load > 0.0);
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod equations;
 pub mod error;

@@ -1,0 +1,110 @@
+//! The derivatives that `Simulation::derivatives` reports against central differences of re-solved states.
+//!
+//! Varied: formulation, film and contact, slide-to-roll ratio, all three inputs, every output and its profiles. Fourth-order
+//! differences over short steps (Newton's tolerance 1e-11), so that no station enters or leaves the contact. Tolerance: 1e-6 of
+//! the derivative plus 1e-6 of the output's size over the input's scale (10 micron, 0.2 m/s, 1). Of two equal bodies that move
+//! alike the more stressed one changes where the slide-to-roll ratio passes zero: there the largest von Mises stress has a kink,
+//! and is left out.
+
+use cartilage_contact::outputs::Outputs;
+use cartilage_contact::parameters::{Formulation, Inputs, Mesh, Parameters};
+use cartilage_contact::simulation::{Input, Simulation};
+
+/// The numbers of the outputs that are differentiable, with their names.
+fn numbers(o: &Outputs) -> Vec<(String, f64)> {
+    let mut all: Vec<(String, f64)> = [
+        ("load", o.load),
+        ("fluid_load", o.fluid_load),
+        ("solid_load", o.solid_load),
+        ("normal_force", o.normal_force),
+        ("upper_friction_force", o.upper_friction_force),
+        ("lower_friction_force", o.lower_friction_force),
+        ("friction_coefficient", o.friction_coefficient),
+        ("fluid_friction_coefficient", o.fluid_friction_coefficient),
+        ("fluid_load_support", o.fluid_load_support),
+        ("minimum_film_thickness", o.minimum_film_thickness),
+        ("minimum_film_position", o.minimum_film_position),
+        ("central_film_thickness", o.central_film_thickness),
+        ("contact_length", o.contact_length),
+        ("maximum_fluid_pressure", o.maximum_fluid_pressure),
+        ("minimum_fluid_pressure", o.minimum_fluid_pressure),
+        ("maximum_contact_pressure", o.maximum_contact_pressure),
+        ("maximum_von_mises_stress", o.maximum_von_mises_stress),
+        ("sommerfeld_number", o.sommerfeld_number),
+        ("fluid_exudation", o.fluid_exudation),
+    ]
+    .map(|(name, value)| (name.to_string(), value))
+    .into();
+    for i in (0..101).step_by(10) {
+        all.push((format!("film_thickness[{i}]"), o.film_thickness[i]));
+        all.push((format!("fluid_pressure[{i}]"), o.fluid_pressure[i]));
+        all.push((format!("contact_pressure[{i}]"), o.contact_pressure[i]));
+    }
+    all
+}
+
+fn compare(simulation: &mut Simulation, at: Inputs, steps: [f64; 3]) {
+    simulation.solve_steady(at).unwrap();
+    let start = simulation.snapshot();
+    let value = simulation.outputs().clone();
+    let derivatives = [Input::PenetrationDepth, Input::SlidingSpeed, Input::SlideToRollRatio]
+        .map(|i| simulation.derivatives(i).clone());
+    for (k, (derivative, step)) in derivatives.into_iter().zip(steps).enumerate() {
+        let mut moved = |s: f64| {
+            simulation.restore(&start).unwrap();
+            let mut inputs = at;
+            match k {
+                0 => inputs.penetration_depth += s,
+                1 => inputs.sliding_speed += s,
+                _ => inputs.slide_to_roll_ratio += s,
+            }
+            simulation.solve_steady(inputs).unwrap();
+            numbers(simulation.outputs())
+        };
+        // Fourth order: the steps may be long enough for round-off not to matter.
+        let [a, b, c, d] = [moved(-2.0 * step), moved(-step), moved(step), moved(2.0 * step)];
+        let names = numbers(&derivative);
+        for (i, (name, exact)) in names.into_iter().enumerate() {
+            let difference = (8.0 * (c[i].1 - b[i].1) - (d[i].1 - a[i].1)) / (12.0 * step);
+            let size = match name.as_str() {
+                n if n.starts_with("film_thickness") => 1e-6,
+                n if n.ends_with("film_thickness") || n.ends_with("position") || n == "contact_length" => 1e-6,
+                n if n.contains("pressure") => value.maximum_fluid_pressure,
+                n if n.contains("load") && !n.contains("support") => value.load,
+                n if n.contains("force") => value.load * value.friction_coefficient,
+                _ => numbers(&value)[i].1.abs(),
+            };
+            let error = (difference - exact).abs() / (exact.abs() + size / [1e-5, 0.2, 1.0][k]);
+            let kink = k == 2 && at.slide_to_roll_ratio == 0.0 && name == "maximum_von_mises_stress";
+            assert!(error < 1e-6 || kink, "{at}, input {k}, {name}: {exact}, by differences {difference}");
+        }
+    }
+    simulation.restore(&start).unwrap();
+}
+
+#[test]
+fn in_film_and_in_contact() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        let parameters = Parameters {
+            formulation,
+            tolerance: 1e-11,
+            mesh: Mesh { columns: 60, rows: 4, column_grading: 2.5, row_grading: 2.0 },
+            ..Parameters::default()
+        };
+        let mut simulation = Simulation::new(&parameters).unwrap();
+        for (micron, ratio, steps) in [
+            (-10.0, 0.0, [1e-9, 2e-5, 1e-4]),
+            (5.0, 0.3, [1e-9, 2e-5, 1e-4]),
+            (16.0, 0.3, [1e-11, 1e-6, 1e-5]),
+            (16.0, 0.0, [1e-11, 1e-6, 1e-5]),
+            (28.0, 0.3, [1e-11, 1e-6, 1e-5]),
+        ] {
+            let at = Inputs { penetration_depth: micron * 1e-6, sliding_speed: 0.2, slide_to_roll_ratio: ratio };
+            compare(&mut simulation, at, steps);
+            assert_eq!(
+                simulation.outputs().solid_load > 1.0,
+                micron > 20.0 || (micron > 12.0 && formulation == Formulation::Paper)
+            );
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! What must hold for every solution, to round-off or to Newton's tolerance, on any mesh.
+//!
+//! - Mirror: U -> -U mirrors every field in x; the half model is the full one.
+//! - Film energy (steady, equal speeds): (U/2) int h p' dx = int h^3 p'^2/(12 eta) dx - int p V dx.
+//! - Fluid mass: at every station the two bodies give what the film takes; per body all reactions of the fluid balances cancel.
+//! - Equilibrium of each body: consistent, bone reaction = int p n da over the deformed surface + L_s, the total stress being the
+//!   effective one less alpha p J F^-T; paper (effective stress only, Div P_eff = alpha grad p), effective bone reaction =
+//!   alpha L_f + L_s - alpha int p n over the bone: with the pore pressure alpha p on the bone it carries alpha L_f + L_s, not L.
+//! - Equation 13: T_1 - T_2 = int h p' dx, T_1 + T_2 = 2 (boundary friction + sliding shear).
+//! - Units: in mm, g and s pressures keep their numbers and the loads are 1000 times as large.
+
+use approx::assert_relative_eq;
+use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, pressure, quadratic_derivative};
+use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
+use cartilage_contact::simulation::Simulation;
+
+use crate::pair::Pair;
+
+const U: f64 = 0.2;
+
+fn coarse(formulation: Formulation) -> Parameters {
+    Parameters {
+        formulation,
+        tolerance: 1e-10,
+        fluid_compressibility: 0.0,
+        mesh: Mesh { columns: 60, rows: 4, column_grading: 2.5, row_grading: 2.0 },
+        ..Parameters::default()
+    }
+}
+
+fn inputs(micron: f64, sliding_speed: f64, slide_to_roll_ratio: f64) -> Inputs {
+    Inputs { penetration_depth: micron * 1e-6, sliding_speed, slide_to_roll_ratio }
+}
+
+/// A pair at these depths one after the other.
+fn pair_at(parameters: &Parameters, mirrored: bool, depths: &[f64]) -> Pair {
+    let mut pair = Pair::new(parameters, mirrored);
+    depths.iter().for_each(|d| pair.go(inputs(*d, U, 0.0)));
+    pair
+}
+
+/// Depths one after the other; the last ones are in contact in both formulations.
+const PATH: [f64; 9] = [-10.0, 0.0, 8.0, 12.0, 16.0, 20.0, 24.0, 27.0, 30.0];
+
+#[test]
+fn reversing_the_speed_mirrors_the_fields() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        for ratio in [0.0, 0.3] {
+            let mut forwards = Simulation::new(&coarse(formulation)).unwrap();
+            let mut backwards = Simulation::new(&coarse(formulation)).unwrap();
+            for d in PATH {
+                forwards.solve_steady(inputs(d, U, ratio)).unwrap();
+                backwards.solve_steady(inputs(d, -U, ratio)).unwrap();
+                let (a, b) = (forwards.outputs(), backwards.outputs());
+                for i in 0..101 {
+                    let p = a.maximum_fluid_pressure;
+                    assert!(
+                        (a.film_thickness[i] - b.film_thickness[100 - i]).abs()
+                            < 1e-8 * a.film_thickness[i].abs() + 1e-15
+                    );
+                    assert!((a.fluid_pressure[i] - b.fluid_pressure[100 - i]).abs() < 1e-7 * p);
+                    assert!((a.contact_pressure[i] - b.contact_pressure[100 - i]).abs() < 1e-6 * p);
+                }
+                assert_relative_eq!(a.load, b.load, max_relative = 1e-8);
+                assert_relative_eq!(a.upper_friction_force, -b.upper_friction_force, max_relative = 1e-6);
+                assert_relative_eq!(a.lower_friction_force, -b.lower_friction_force, max_relative = 1e-6);
+            }
+            assert!(forwards.outputs().solid_load > 0.1);
+        }
+    }
+}
+
+/// Equal bodies without friction: u1x = u2x, u1y = -u2y, p1 = p2 everywhere.
+#[test]
+fn half_a_pair_is_half_of_the_pair() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        let parameters = Parameters { boundary_friction_loads_tissue: false, ..coarse(formulation) };
+        let half = pair_at(&parameters, true, &PATH);
+        let full = pair_at(&parameters, false, &PATH);
+        assert!(full.active.contains(&true) && half.active == full.active);
+        for node in 0..half.system.layers[0].mesh.nodes.len() {
+            let [x, y] = half.displacement(0, node);
+            for (body, sign) in [(0, 1.0), (1, -1.0)] {
+                let [fx, fy] = full.displacement(body, node);
+                assert!((fx - x).abs() < 1e-13 && (sign * fy - y).abs() < 1e-13, "{fx} {x} {fy} {y}");
+                assert!((half.pressure(0, node) - full.pressure(body, node)).abs() < 1e-2);
+            }
+        }
+    }
+}
+
+/// In film, contact, and contact with friction; both formulations.
+#[test]
+fn energy_and_mass_of_the_film() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        for friction in [false, true] {
+            let parameters = Parameters { boundary_friction_loads_tissue: friction, ..coarse(formulation) };
+            for depths in [&PATH[..1], &PATH[..3], &PATH[..]] {
+                let pair = pair_at(&parameters, false, depths);
+                let bodies = [0, 1].map(|body| pair.reactions(body, 0.5 * U));
+                let levels = pair.levels();
+                let film =
+                    pair.system.film_outflow(&pair.unknowns, &pair.inputs, None, &vec![0.0; pair.unknowns.len()], 0.0);
+                // V times weight at the stations, and what the film makes of it.
+                let outflow = |i: usize| -bodies[0][2][i * levels] - bodies[1][2][i * levels];
+                let last = film.len() - 1;
+                let size = film.iter().map(|f| f[0].abs()).sum::<f64>();
+                for i in 1..last {
+                    assert!(
+                        (outflow(i) - film[i][0]).abs() < 1e-8 * size,
+                        "station {i}: {} {}",
+                        outflow(i),
+                        film[i][0]
+                    );
+                }
+                // The ends' film terms are what flows out of it there: int V = Q_out - Q_in.
+                let total: f64 = (1..last).map(outflow).sum();
+                assert!((total + film[0][0] + film[last][0]).abs() < 1e-8 * size);
+                for reactions in &bodies {
+                    let all: f64 = reactions[2].iter().sum();
+                    assert!(all.abs() < 1e-9 * size, "{all} of {size}");
+                }
+                let places = pair.places();
+                let integral =
+                    |f: &dyn Fn(&crate::pair::Place) -> f64| -> f64 { places.iter().map(|p| p.weight * f(p)).sum() };
+                let eta = parameters.viscosity;
+                let driven = integral(&|p| 0.5 * U * p.film_thickness.max(0.0) * p.pressure_gradient);
+                let lost =
+                    integral(&|p| p.film_thickness.max(0.0).powi(3) * p.pressure_gradient.powi(2) / (12.0 * eta));
+                let given: f64 = (1..last).map(|i| pair.pressure(0, i * levels) * outflow(i)).sum();
+                println!(
+                    "{formulation:?} friction {friction} d {}: {driven} = {lost} - {given}",
+                    depths[depths.len() - 1]
+                );
+                assert!((driven - lost + given).abs() < 1e-8 * driven.abs().max(lost));
+            }
+        }
+    }
+}
+
+/// Forces of the bone on the upper and lower body against the loads.
+#[test]
+fn equilibrium_of_each_body() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        let parameters = coarse(formulation);
+        let alpha = parameters.upper.biot_coefficient;
+        for depths in [&PATH[..1], &PATH[..3], &PATH[..]] {
+            let pair = pair_at(&parameters, false, depths);
+            let levels = pair.levels();
+            let solid: f64 =
+                (0..pair.active.len()).filter(|i| pair.active[*i]).map(|i| pair.residual.contact_forces[i]).sum();
+            let fluid: f64 = pair.places().iter().map(|p| p.weight * p.pressure).sum();
+            for body in 0..2 {
+                let layer = &pair.system.layers[body];
+                let reactions = pair.reactions(body, 0.5 * U);
+                // Downwards on the upper body, upwards on the lower one.
+                let bone: f64 =
+                    (0..pair.system.stations.len()).map(|i| -layer.side * reactions[1][i * levels + levels - 1]).sum();
+                // int p dx over a line of nodes, deformed or not, by Gauss's rule.
+                let along = |level: usize, deformed: f64| -> f64 {
+                    (0..layer.mesh.columns)
+                        .flat_map(|column| {
+                            let nodes = [0, 1, 2].map(|a| (2 * column + a) * levels + level);
+                            let pressures = nodes.map(|n| pair.pressure(body, n));
+                            let x = nodes.map(|n| layer.mesh.nodes[n][0] + deformed * pair.displacement(body, n)[0]);
+                            let sum = |f: [f64; 3], v: [f64; 3]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
+                            GAUSS
+                                .into_iter()
+                                .zip(GAUSS_WEIGHTS)
+                                .map(move |(s, w)| w * sum(pressure(2, s), pressures) * sum(quadratic_derivative(s), x))
+                        })
+                        .sum()
+                };
+                let expected = match formulation {
+                    Formulation::Paper => alpha * fluid + solid - alpha * along(levels - 1, 0.0),
+                    Formulation::Consistent => along(0, 1.0) + solid,
+                };
+                println!("{formulation:?} body {body}: bone {bone}, expected {expected}, L_f {fluid}, L_s {solid}");
+                assert_relative_eq!(bone, expected, max_relative = 1e-7, epsilon = 1e-9);
+            }
+        }
+    }
+}
+
+/// Sliding and rolling, film and contact.
+#[test]
+fn equation_13() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        let parameters = coarse(formulation);
+        for ratio in [0.0, 0.4] {
+            let mut pair = Pair::new(&parameters, false);
+            let mut simulation = Simulation::new(&parameters).unwrap();
+            for d in PATH {
+                pair.go(inputs(d, U, ratio));
+                simulation.solve_steady(inputs(d, U, ratio)).unwrap();
+                let o = simulation.outputs();
+                let places = pair.places();
+                let rolling: f64 =
+                    places.iter().map(|p| p.weight * p.film_thickness.max(0.0) * p.pressure_gradient).sum();
+                let shear: f64 = places
+                    .iter()
+                    .map(|p| {
+                        p.weight * parameters.viscosity * ratio * U
+                            / (p.film_thickness.max(0.0) + parameters.shear_film_offset)
+                    })
+                    .sum();
+                let difference = ratio * U;
+                let mobilised = match formulation {
+                    Formulation::Paper => 1.0,
+                    Formulation::Consistent => difference / difference.hypot(parameters.friction_regularisation_speed),
+                };
+                let boundary = mobilised * parameters.boundary_friction_coefficient * o.solid_load;
+                assert_relative_eq!(o.upper_friction_force - o.lower_friction_force, rolling, max_relative = 1e-6);
+                let sum = o.upper_friction_force + o.lower_friction_force;
+                assert_relative_eq!(sum, 2.0 * (shear + boundary), max_relative = 1e-6, epsilon = 1e-12);
+                assert_relative_eq!(o.load, o.fluid_load + o.solid_load, max_relative = 1e-14);
+                assert_relative_eq!(
+                    o.friction_coefficient,
+                    o.upper_friction_force.abs() / o.load,
+                    max_relative = 1e-14
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn millimetres_and_grams() {
+    let si = coarse(Formulation::Consistent);
+    let body = Body { outer_radius: 100.0, thickness: 1.0, permeability: 1e-9, ..si.upper };
+    let scaled = Parameters {
+        upper: body,
+        lower: body,
+        width: 1000.0,
+        density: 1e-6,
+        friction_regularisation_speed: 1.0,
+        shear_film_offset: 1e-4,
+        ..si
+    };
+    let (mut a, mut b) = (Pair::new(&si, false), Pair::new(&scaled, false));
+    b.rest_at(-10e-3);
+    for d in PATH {
+        let now = inputs(d, U, 0.2);
+        a.go(now);
+        b.go(Inputs { penetration_depth: 1e3 * now.penetration_depth, sliding_speed: 1e3 * U, ..now });
+    }
+    assert!(a.active == b.active && a.active.contains(&true));
+    for (p, q) in a.places().iter().zip(b.places()) {
+        assert_relative_eq!(1e3 * p.film_thickness, q.film_thickness, max_relative = 1e-7, epsilon = 1e-12);
+        assert_relative_eq!(p.pressure, q.pressure, max_relative = 1e-7, epsilon = 1e-3);
+    }
+    for (p, q) in a
+        .residual
+        .contact_forces
+        .iter()
+        .zip(&b.residual.contact_forces)
+        .zip(&a.active)
+        .filter(|(_, a)| **a)
+        .map(|(f, _)| f)
+    {
+        assert_relative_eq!(1e3 * p, *q, max_relative = 1e-6, epsilon = 1e-6);
+    }
+}

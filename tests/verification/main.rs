@@ -1,0 +1,23 @@
+//! Answers that are known, one file a benchmark: each states formula, source, what is varied and its tolerance.
+//!
+//! Support: a layer with boundary conditions of one's choice ([`strip`]), a film on a line ([`line`]), and the discrete system of
+//! two bodies with its fields in reach ([`pair`]); all are made of the crate's own elements, Newton's method and elimination.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod line;
+mod pair;
+mod strip;
+
+mod consolidation;
+mod derivatives;
+mod dry_contact;
+mod film_alone;
+mod harmonic_pressure;
+mod identities;
+mod mandel;
+mod paper_case;
+mod porous_film;
+mod reach;
+mod soft_film;
+mod solid_alone;

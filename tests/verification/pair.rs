@@ -1,0 +1,145 @@
+//! Two bodies as the crate's own discrete system, with its unknowns in reach.
+
+use cartilage_contact::equations::system::{Residual, System};
+use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
+use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, quadratic, quadratic_derivative};
+use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::solver::linear::FIXED;
+use cartilage_contact::solver::newton;
+
+pub struct Pair {
+    pub system: System,
+    pub inputs: Inputs,
+    pub unknowns: Vec<f64>,
+    pub active: Vec<bool>,
+    pub residual: Residual,
+}
+
+/// What an element of the interface has at one of its quadrature points.
+pub struct Place {
+    /// Quadrature weight [m].
+    pub weight: f64,
+    /// x, film thickness and its slope, pressure and its slope.
+    pub x: f64,
+    pub film_thickness: f64,
+    pub pressure: f64,
+    pub pressure_gradient: f64,
+}
+
+impl Pair {
+    pub fn new(parameters: &Parameters, mirrored: bool) -> Self {
+        let system = System::new(parameters, mirrored);
+        let inputs = Inputs { sliding_speed: 0.0, ..Inputs::default() };
+        Self {
+            unknowns: system.rest(inputs.penetration_depth),
+            active: vec![false; system.stations.len()],
+            residual: Residual::default(),
+            system,
+            inputs,
+        }
+    }
+
+    /// Rest at this depth, so that the first step need not move the bones.
+    pub fn rest_at(&mut self, penetration_depth: f64) {
+        self.inputs.penetration_depth = penetration_depth;
+        self.unknowns = self.system.rest(penetration_depth);
+    }
+
+    /// Solves for these inputs from the present state.
+    pub fn go(&mut self, inputs: Inputs) {
+        self.inputs = inputs;
+        let mut unknowns = self.unknowns.clone();
+        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 40 };
+        newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
+        self.unknowns = unknowns;
+    }
+
+    /// Nodes through the thickness.
+    pub fn levels(&self) -> usize {
+        self.system.layers[0].mesh.levels()
+    }
+
+    /// Pressure at a node of a body.
+    pub fn pressure(&self, body: usize, node: usize) -> f64 {
+        match self.system.layout.pressure[body][node] {
+            FIXED => 0.0,
+            number => self.unknowns[number as usize],
+        }
+    }
+
+    /// Displacement of a node of a body.
+    pub fn displacement(&self, body: usize, node: usize) -> [f64; 2] {
+        let mesh = &self.system.layers[body].mesh;
+        let element =
+            (node / mesh.levels()).saturating_sub(1) / 2 * mesh.rows + (node % mesh.levels()).saturating_sub(1) / 2;
+        let at = self.system.local(body, element, &self.unknowns, self.inputs.penetration_depth);
+        let a = mesh.element_nodes(element).iter().position(|n| *n == node).unwrap();
+        [at[a], at[NODES + a]]
+    }
+
+    /// What the tissue's elements add up to at the nodes of a body, without film and contact: forces on the tissue along x and y,
+    /// and fluid that flows in.
+    pub fn reactions(&self, body: usize, speed: f64) -> [Vec<f64>; 3] {
+        let layer = &self.system.layers[body];
+        let mut reactions = [0; 3].map(|_| vec![0.0; layer.mesh.nodes.len()]);
+        for element in 0..layer.mesh.elements() {
+            let at = self.system.local(body, element, &self.unknowns, self.inputs.penetration_depth);
+            let mut local = [0.0; LOCAL];
+            let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
+            layer.tissue.element(&layer.mesh, element, &at, speed, &VolumeRate::default(), terms).unwrap();
+            for (a, n) in layer.mesh.element_nodes(element).into_iter().enumerate() {
+                (0..3).for_each(|f| reactions[f][n] += local[f * NODES + a]);
+            }
+        }
+        reactions
+    }
+
+    /// The quadrature points of the interface (pressure of order 2).
+    pub fn places(&self) -> Vec<Place> {
+        let x = &self.system.stations;
+        let levels = self.levels();
+        let mut places = Vec::new();
+        for column in 0..x.len() / 2 {
+            let nodes = [2 * column, 2 * column + 1, 2 * column + 2];
+            let half = 0.5 * (x[nodes[2]] - x[nodes[0]]);
+            let gaps = nodes.map(|i| self.unknowns[self.system.layout.gap[i] as usize]);
+            let pressures = nodes.map(|i| self.pressure(0, i * levels));
+            for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
+                let sum = |f: [f64; 3], v: [f64; 3]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
+                places.push(Place {
+                    weight: half * w,
+                    x: sum(quadratic(s), nodes.map(|i| x[i])),
+                    film_thickness: sum(quadratic(s), gaps),
+                    pressure: sum(quadratic(s), pressures),
+                    pressure_gradient: sum(quadratic_derivative(s), pressures) / half,
+                });
+            }
+        }
+        places
+    }
+}
+
+impl newton::Problem for Pair {
+    fn residual(&mut self, unknowns: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
+        let Self { system, inputs, active, residual: parts, .. } = self;
+        let changed = system.residual(unknowns, active, inputs, None, parts).map_err(|e| e.to_string())?;
+        residual.clone_from(&self.residual.values);
+        Ok(changed)
+    }
+
+    fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String> {
+        self.system.factorise(unknowns, &self.active, &self.inputs, None).map_err(|e| e.to_string())
+    }
+
+    fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String> {
+        self.system.solve(right_hand_side).map_err(|e| e.to_string())
+    }
+
+    fn apply(&self, unknowns: &mut [f64], update: &[f64]) {
+        self.system.apply(unknowns, update, &self.active);
+    }
+
+    fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
+        self.system.relative_size(unknowns, update)
+    }
+}
