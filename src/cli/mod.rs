@@ -1,11 +1,14 @@
 //! What a person types: one file a subcommand.
 
+mod case;
 mod figures;
 mod format;
 mod importer;
 mod package;
 mod press_and_release;
 mod solve;
+mod stribeck;
+mod sweep;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -26,6 +29,7 @@ Examples:
   cartilage-contact solve --penetration-depth 12e-6 --sliding-speed 0.2
   cartilage-contact solve --case examples/tissue.toml --json
   cartilage-contact solve --set both.shear_modulus=1e6 --set mesh.columns=200
+  cartilage-contact stribeck --fields=-1e-6,19e-6,48e-6,100e-6
   cartilage-contact package --output CartilageLineContact.fmu
   cartilage-contact solve --help    (every variable with its unit, default and range)
 
@@ -42,6 +46,8 @@ struct Arguments {
 enum Command {
     /// Solve one steady state and print its loads, friction, film and regime
     Solve(solve::Arguments),
+    /// Sweep penetration depth and speed: the Stribeck curve of the paper, its fields, as tables and figures
+    Stribeck(stribeck::Arguments),
     /// Write the co-simulation FMU (FMI 2.0)
     Package(package::Arguments),
 }
@@ -73,6 +79,7 @@ pub fn run() -> ExitCode {
     let result = match arguments.command {
         None => press_and_release::run(),
         Some(Command::Solve(arguments)) => solve::run(&arguments),
+        Some(Command::Stribeck(arguments)) => stribeck::run(&arguments),
         Some(Command::Package(arguments)) => package::run(&arguments),
     };
     let (code, message) = match result {
