@@ -4,7 +4,9 @@ use nalgebra::{Matrix2, Vector2};
 
 use crate::equations::system::{Layer, Rates, Residual, System, surface_speeds};
 use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue, VolumeRate};
-use crate::fem::element::{NODES, POINTS, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor};
+use crate::fem::element::{
+    NODES, POINTS, SIMPSON, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
+};
 use crate::laws::darcy::conductance;
 use crate::laws::film::reynolds_flux;
 use crate::laws::neo_hookean::Strain;
@@ -189,22 +191,10 @@ impl Solution<'_> {
             .map(|i| if self.active[i] { residual.contact_forces[i] / system.weights[i] } else { 0.0 })
             .collect();
 
-        let mut film_flux = vec![0.0; stations];
-        for first in (0..stations - 1).step_by(2) {
-            let half = 0.5 * (system.stations[first + 2] - system.stations[first]);
-            for a in 0..3 {
-                let slope = dot(&pressure_derivative(2, a as f64 - 1.0), &fluid_pressure[first..first + 3]) / half;
-                let h = film_thickness[first + a];
-                let flux = reynolds_flux(h, slope, self.inputs.sliding_speed, self.parameters.viscosity).value;
-                // Ends inside the interface belong to two elements.
-                let shared = a != 1 && first + a != 0 && first + a + 1 != stations;
-                film_flux[first + a] += if shared { 0.5 * flux } else { flux };
-            }
-        }
-
         let (upper_outflow, weight) = self.outflow(0)?;
         let lower_outflow = if system.mirrored() { upper_outflow.clone() } else { self.outflow(1)?.0 };
-        let outflow = upper_outflow.iter().zip(&lower_outflow).map(|(a, b)| a + b).collect();
+        let outflow: Vec<f64> = upper_outflow.iter().zip(&lower_outflow).map(|(a, b)| a + b).collect();
+        let film_flux = self.film_flux(&film_thickness, &fluid_pressure, &outflow, &weight);
         Ok(InterfaceFields {
             position: system.stations.clone(),
             film_thickness,
@@ -216,6 +206,28 @@ impl Solution<'_> {
             outflow,
             weight,
         })
+    }
+
+    /// Flux along the film: the formula where the film is thinnest, from there on what the outflows add.
+    ///
+    /// The formula multiplies the slope of the pressure by h^3, which makes the slightest error large where the film is thick.
+    fn film_flux(&self, film: &[f64], pressure: &[f64], outflow: &[f64], weight: &[f64]) -> Vec<f64> {
+        let x = &self.system.stations;
+        // Middles of elements, where the slope of a quadratic pressure is best.
+        let middles = (1..film.len()).step_by(2);
+        let thinnest = middles.min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(1);
+        let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (x[thinnest + 1] - x[thinnest - 1]);
+        let known = reynolds_flux(film[thinnest], slope, self.inputs.sliding_speed, self.parameters.viscosity).value;
+        let mut sum = 0.0;
+        let added: Vec<f64> = outflow
+            .iter()
+            .zip(weight)
+            .map(|(v, w)| {
+                sum += v * w;
+                sum - 0.5 * v * w
+            })
+            .collect();
+        added.iter().map(|sum| known + sum - added[thinnest]).collect()
     }
 
     /// Volume flux of fluid out of one body's surface at each station, and the length that goes with it.
@@ -231,15 +243,14 @@ impl Solution<'_> {
         for column in 0..layer.mesh.columns {
             let element = column * layer.mesh.rows;
             let mut residual = [0.0; LOCAL];
-            let rate = self.rates.map_or_else(VolumeRate::default, |r| VolumeRate {
-                rate: r.rate,
-                history: r.volume[body][element],
-            });
+            let rate = self
+                .rates
+                .map_or_else(VolumeRate::default, |r| VolumeRate { rate: r.rate, history: r.volume[body][element] });
             let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
             let speed = surface_speeds(self.inputs)[body];
             layer.tissue.element(&layer.mesh, element, &self.local(body, element), speed, &rate, terms)?;
             let length = system.stations[2 * column + 2] - system.stations[2 * column];
-            let shares = if order == 2 { crate::fem::element::SIMPSON } else { [0.5, 0.0, 0.5] };
+            let shares = if order == 2 { SIMPSON } else { [0.5, 0.0, 0.5] };
             for a in 0..3 {
                 outflow[2 * column + a] -= residual[2 * NODES + a];
                 weight[2 * column + a] += shares[a] * length;
@@ -292,7 +303,74 @@ fn dot(f: &[f64], values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::parameters::{Inputs, Parameters};
+    use super::*;
     use crate::simulation::Simulation;
     use approx::assert_relative_eq;
+
+    /// A state on a small mesh.
+    fn solved(depth: f64, change: impl Fn(&mut Parameters)) -> (Simulation, Fields) {
+        let mut parameters = Parameters::default();
+        (parameters.mesh.columns, parameters.mesh.rows) = (24, 3);
+        change(&mut parameters);
+        let mut simulation = Simulation::new(&parameters).unwrap();
+        assert!(simulation.fields().is_none());
+        simulation.solve_steady(Inputs { penetration_depth: depth, ..Inputs::default() }).unwrap();
+        let fields = simulation.fields().unwrap();
+        (simulation, fields)
+    }
+
+    #[test]
+    fn fields_agree_with_the_outputs() {
+        for (depth, order) in [(5e-6, 2), (5e-6, 1), (20e-6, 2)] {
+            let (simulation, fields) = solved(depth, |p| p.pressure_order = order);
+            let (outputs, interface) = (simulation.outputs(), &fields.interface);
+            let largest = |values: &[f64]| values.iter().copied().fold(f64::MIN, f64::max);
+            assert_relative_eq!(
+                largest(&interface.fluid_pressure),
+                outputs.maximum_fluid_pressure,
+                max_relative = 0.02
+            );
+            assert_relative_eq!(largest(&interface.contact_pressure), outputs.maximum_contact_pressure);
+            let von_mises = fields.bodies.each_ref().map(|body| largest(&body.von_mises_stress));
+            assert_relative_eq!(von_mises[0].max(von_mises[1]), outputs.maximum_von_mises_stress, max_relative = 0.2);
+            assert_eq!(fields.inputs.penetration_depth, depth);
+            // The bone moves by half the depth, and a body that is pressed shrinks.
+            let bone = fields.bodies[0].displacement[2 * 3];
+            assert_eq!(bone, [0.0, -0.5 * depth]);
+            assert!(fields.bodies[0].volume_ratio.iter().copied().fold(f64::MAX, f64::min) < 1.0);
+        }
+    }
+
+    #[test]
+    fn outflow_and_film_flux_conserve_fluid() {
+        // In contact and out of it; equal bodies and unequal ones.
+        for (depth, thickness) in [(5e-6, 1e-3), (5e-6, 1.3e-3), (20e-6, 1e-3)] {
+            let (simulation, fields) = solved(depth, |p| p.upper.thickness = thickness);
+            let f = &fields.interface;
+            let last = f.position.len() - 1;
+            let flows: Vec<f64> = f.outflow.iter().zip(&f.weight).map(|(v, w)| v * w).collect();
+            let exuded: f64 = flows.iter().map(|v| v.max(0.0)).sum();
+            // The outputs have it from the balance of the film, the fields from those of the bodies.
+            assert_relative_eq!(exuded, simulation.outputs().fluid_exudation, max_relative = 1e-3);
+            let added: f64 = flows.iter().sum();
+            assert_relative_eq!(f.film_flux[last] - f.film_flux[0], added, epsilon = 1e-6 * exuded);
+            for (i, pressed) in f.contact_pressure.iter().enumerate().skip(1).take(last - 2) {
+                if *pressed > 0.0 && f.contact_pressure[i - 1] > 0.0 && f.contact_pressure[i + 1] > 0.0 {
+                    assert!(f.outflow[i].abs() < 1e-4 * f.upper_outflow[i].abs().max(1e-6), "{i}: {}", f.outflow[i]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equal_bodies_without_friction_are_mirror_images() {
+        let (_, fields) = solved(5e-6, |_| ());
+        let [upper, lower] = &fields.bodies;
+        for (node, [x, y]) in upper.reference_position.iter().enumerate() {
+            assert_eq!(lower.reference_position[node], [*x, -y]);
+            assert_eq!(lower.displacement[node], [upper.displacement[node][0], -upper.displacement[node][1]]);
+            assert_eq!(lower.darcy_flux[node][1], -upper.darcy_flux[node][1]);
+        }
+        assert_eq!(fields.interface.upper_outflow, fields.interface.lower_outflow);
+    }
 }

@@ -6,9 +6,11 @@ mod format;
 mod importer;
 mod package;
 mod press_and_release;
+mod sensitivity;
 mod solve;
 mod stribeck;
 mod sweep;
+mod validate;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -30,6 +32,7 @@ Examples:
   cartilage-contact solve --case examples/tissue.toml --json
   cartilage-contact solve --set both.shear_modulus=1e6 --set mesh.columns=200
   cartilage-contact stribeck --fields=-1e-6,19e-6,48e-6,100e-6
+  cartilage-contact sensitivity --depths 0,12e-6,50e-6
   cartilage-contact package --output CartilageLineContact.fmu
   cartilage-contact solve --help    (every variable with its unit, default and range)
 
@@ -48,6 +51,10 @@ enum Command {
     Solve(solve::Arguments),
     /// Sweep penetration depth and speed: the Stribeck curve of the paper, its fields, as tables and figures
     Stribeck(stribeck::Arguments),
+    /// How load, friction and film answer to changes of each parameter
+    Sensitivity(sensitivity::Arguments),
+    /// Mesh convergence, variants of the model, and what the paper prints, as Markdown tables
+    Validate(validate::Arguments),
     /// Write the co-simulation FMU (FMI 2.0)
     Package(package::Arguments),
 }
@@ -80,6 +87,8 @@ pub fn run() -> ExitCode {
         None => press_and_release::run(),
         Some(Command::Solve(arguments)) => solve::run(&arguments),
         Some(Command::Stribeck(arguments)) => stribeck::run(&arguments),
+        Some(Command::Sensitivity(arguments)) => sensitivity::run(&arguments),
+        Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Package(arguments)) => package::run(&arguments),
     };
     let (code, message) = match result {

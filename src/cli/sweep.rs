@@ -23,7 +23,8 @@ pub fn solve(
 ) -> Result<(), Error> {
     let threads = threads.clamp(1, points.len().div_ceil(SMALLEST_SHARE).max(1));
     let share = points.len().div_ceil(threads);
-    let shares: Vec<_> = (0..threads).map(|i| (i * share).min(points.len())..((i + 1) * share).min(points.len())).collect();
+    let shares: Vec<_> =
+        (0..threads).map(|i| (i * share).min(points.len())..((i + 1) * share).min(points.len())).collect();
     let shares = Mutex::new(shares);
     let simulations: Result<Vec<_>, _> = (0..threads).map(|_| Simulation::new(parameters)).collect();
     std::thread::scope(|scope| {

@@ -35,7 +35,8 @@ impl<'a> Array<'a> {
 pub fn bodies(fields: &Fields) -> String {
     let bodies = &fields.bodies;
     let all = |get: fn(&BodyFields) -> &Vec<f64>| bodies.iter().flat_map(move |body| get(body).iter().copied());
-    let vectors = |get: fn(&BodyFields) -> &Vec<[f64; 2]>| bodies.iter().flat_map(move |body| get(body).iter().copied());
+    let vectors =
+        |get: fn(&BodyFields) -> &Vec<[f64; 2]>| bodies.iter().flat_map(move |body| get(body).iter().copied());
     let mut cells = Vec::new();
     let mut first = 0;
     for body in bodies {
@@ -45,7 +46,8 @@ pub fn bodies(fields: &Fields) -> String {
         }
         first += body.reference_position.len();
     }
-    let body_number = (1..=2).zip(bodies).flat_map(|(i, body)| std::iter::repeat_n(f64::from(i), body.volume_ratio.len()));
+    let body_number =
+        (1..=2).zip(bodies).flat_map(|(i, body)| std::iter::repeat_n(f64::from(i), body.volume_ratio.len()));
     document(
         &Array::vectors("position", vectors(|b| &b.reference_position)),
         BIQUADRATIC_QUADRILATERAL,
@@ -63,7 +65,8 @@ pub fn bodies(fields: &Fields) -> String {
 /// The interface as a line along x.
 pub fn interface(fields: &InterfaceFields) -> String {
     let cells: Vec<_> = (0..fields.position.len() - 1).step_by(2).map(|i| vec![i, i + 2, i + 1]).collect();
-    let touching = cells.iter().map(|cell| if cell.iter().all(|i| fields.contact_pressure[*i] > 0.0) { 1.0 } else { 0.0 });
+    let touching =
+        cells.iter().map(|cell| if cell.iter().all(|i| fields.contact_pressure[*i] > 0.0) { 1.0 } else { 0.0 });
     let nodal = |name, values: &[f64]| Array::scalars(name, values.iter().copied());
     document(
         &Array::vectors("position", fields.position.iter().map(|x| [*x, 0.0])),
@@ -83,7 +86,9 @@ pub fn interface(fields: &InterfaceFields) -> String {
 }
 
 fn document(points: &Array, cell_type: u8, cells: &[Vec<usize>], point_data: &[Array], cell_data: &[Array]) -> String {
-    let mut text = String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\">\n<UnstructuredGrid>\n");
+    let mut text = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\">\n<UnstructuredGrid>\n",
+    );
     let count = points.values.len() / 3;
     let _ = writeln!(text, "<Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{}\">", cells.len());
     text += "<Points>\n";
@@ -105,9 +110,13 @@ fn document(points: &Array, cell_type: u8, cells: &[Vec<usize>], point_data: &[A
 }
 
 fn array(text: &mut String, Array { name, components, values }: &Array) {
-    let _ = writeln!(text, "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">");
+    let _ = writeln!(
+        text,
+        "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">"
+    );
     for row in values.chunks(6) {
-        let words: Vec<_> = row.iter().map(|value| if *value == 0.0 { "0".into() } else { format!("{value:e}") }).collect();
+        let words: Vec<_> =
+            row.iter().map(|value| if *value == 0.0 { "0".into() } else { format!("{value:e}") }).collect();
         let _ = writeln!(text, "{}", words.join(" "));
     }
     text.push_str("</DataArray>\n");

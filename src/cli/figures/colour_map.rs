@@ -6,7 +6,7 @@ use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{Canvas, Lettering, palette};
-use super::panel::{Frame, tick_label};
+use super::panel::{Axis, Frame, tick_label};
 
 /// Colours that grow lighter evenly and stay apart for colour-blind readers (viridis, Smith and van der Walt, CC0).
 const VIRIDIS: [[u8; 3]; 11] = [
@@ -23,9 +23,9 @@ const VIRIDIS: [[u8; 3]; 11] = [
     [253, 231, 37],
 ];
 /// Shades of the map.
-const SHADES: usize = 32;
+const SHADES: usize = 40;
 /// Strips that an element is cut into along the surface, and parts of its thickness that a strip is cut into.
-const PARTS: (usize, usize) = (3, 4);
+const PARTS: (usize, usize) = (5, 6);
 
 /// Values from the first to the last colour.
 #[derive(Clone, Copy)]
@@ -59,17 +59,17 @@ impl ColourMap {
         }
         canvas.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], palette::BLACK, 1.2)?;
         let (low, high) = self.range;
-        for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            let y = at(share);
+        for value in Axis::linear("", self.range).ticks().0 {
+            let y = at((value - low) / (high - low));
             canvas.line(&[(right, y), (right + 5.0, y)], palette::BLACK, 1.2)?;
-            let number = tick_label(low + share * (high - low));
+            let number = tick_label(value);
             canvas.text(&number, (right + 8.0, y), &Lettering::plain(15.0, HPos::Left, VPos::Center))?;
         }
         let style = Lettering { upwards: true, ..Lettering::plain(16.0, HPos::Center, VPos::Bottom) };
-        canvas.text(label, (right + 76.0, 0.5 * (top + bottom)), &style)
+        canvas.text(label, (right + 66.0, 0.5 * (top + bottom)), &style)
     }
 
-    /// A deformed body filled with a nodal field. `at` maps metres to points of the canvas; nothing is drawn outside `frame`.
+    /// A body filled with a nodal field. `at` says where a node is on the canvas; nothing is drawn outside `frame`.
     ///
     /// Neighbouring parts of one shade become one area, and each area reaches a little under the next one.
     pub fn fill(
@@ -78,7 +78,7 @@ impl ColourMap {
         frame: Frame,
         body: &BodyFields,
         values: &[f64],
-        at: &dyn Fn([f64; 2]) -> (f64, f64),
+        at: &dyn Fn(usize) -> (f64, f64),
     ) -> Result<(), String> {
         let (strips, parts) = PARTS;
         for column in 0..body.columns {
@@ -89,7 +89,7 @@ impl ColourMap {
                     let shape = tensor(quadratic(s), quadratic(t));
                     let mut result = [0.0; 3];
                     for (node, f) in nodes.into_iter().zip(shape) {
-                        let [x, y] = body.position(node);
+                        let (x, y) = at(node);
                         result[0] += f * x;
                         result[1] += f * y;
                         result[2] += f * values[node];
@@ -104,7 +104,7 @@ impl ColourMap {
                     let ends = |t: f64| {
                         [0, 1].map(|k| {
                             let [x, y, _] = sample(row, edge(k), t);
-                            at([x, y])
+                            (x, y)
                         })
                     };
                     let shade = self.shade(sample(row, 0.5 * (edge(0) + edge(1)), 0.5 * (t(0) + t(1)))[2]);
@@ -131,8 +131,7 @@ impl ColourMap {
 /// The part of a polygon within a frame (Sutherland and Hodgman).
 fn clipped(mut polygon: Vec<(f64, f64)>, (left, top, right, bottom): Frame) -> Vec<(f64, f64)> {
     type Inside<'a> = &'a dyn Fn((f64, f64)) -> f64;
-    let edges: [Inside; 4] =
-        [&|(x, _)| x - left, &|(x, _)| right - x, &|(_, y)| y - top, &|(_, y)| bottom - y];
+    let edges: [Inside; 4] = [&|(x, _)| x - left, &|(x, _)| right - x, &|(_, y)| y - top, &|(_, y)| bottom - y];
     for inside in edges {
         let mut result = Vec::with_capacity(polygon.len());
         for (index, &b) in polygon.iter().enumerate() {

@@ -44,6 +44,13 @@ fn heading(canvas: &dyn Canvas, title: &str, fields: &Fields, more: &str) -> Res
     canvas.text(&format!("Sliding speed {speed} m/s, both surfaces move to the right. {more}"), (40.0, 58.0), &style)
 }
 
+/// Smallest and largest value; what is hardly below zero counts as zero.
+fn shown(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(v), b.max(v)));
+    let low = if low.abs() < 0.02 * high { 0.0 } else { low };
+    (low, if high > low { high } else { low + 1.0 })
+}
+
 fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
     heading(
         canvas,
@@ -66,7 +73,7 @@ fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
         let values = fields.bodies.iter().flat_map(|body| {
             get(body).iter().enumerate().filter(|(n, _)| visible(body, *n)).map(|(_, value)| 1e-3 * value)
         });
-        let map = ColourMap { range: range_of(values, Scale::Linear) };
+        let map = ColourMap { range: shown(values) };
         let left = 115.0 + 790.0 * index as f64;
         let right = left + 560.0;
         for (top, bottom, half_height, unit, title) in [
@@ -85,7 +92,7 @@ fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
                 lines: Vec::new(),
             };
             panel::draw(canvas, frame, &panel)?;
-            let at = |[x, y]: [f64; 2]| {
+            let place = |x: f64, y: f64| {
                 (
                     0.5 * (left + right) + 0.5 * (right - left) * 1e3 * x / HALF_LENGTH,
                     0.5 * (top + bottom) - 0.5 * (bottom - top) * factor * y / half_height,
@@ -93,6 +100,11 @@ fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
             };
             for body in &fields.bodies {
                 let values: Vec<f64> = get(body).iter().map(|value| 1e-3 * value).collect();
+                // The film belongs to the places of the undeformed surfaces along x; drawn over them, the gap is its thickness.
+                let at = |node: usize| {
+                    let [x, y] = body.position(node);
+                    if half_height == FILM_HEIGHT { place(body.reference_position[node][0], y) } else { place(x, y) }
+                };
                 map.fill(canvas, frame, body, &values, &at)?;
             }
             let outline = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
@@ -121,11 +133,12 @@ fn interface_panels(fields: &Fields) -> [Panel; 4] {
         dashed,
     };
     let panel = |title: &str, label: &str, last, lines: Vec<Line>| {
-        let shown = lines.iter().flat_map(|line| &line.points).filter(|(x, _)| x.abs() <= HALF_LENGTH).map(|p| p.1);
+        let (lowest, highest) =
+            shown(lines.iter().flat_map(|line| &line.points).filter(|(x, _)| x.abs() <= HALF_LENGTH).map(|p| p.1));
         Panel {
             title: title.into(),
             x: Axis::linear("Position [mm]", (-HALF_LENGTH, HALF_LENGTH)),
-            y: Axis::linear(label, range_of(shown, Scale::Linear)),
+            y: Axis::linear(label, range_of([lowest, highest].into_iter(), Scale::Linear)),
             label_x: last,
             bands: Vec::new(),
             marks: Vec::new(),
@@ -134,6 +147,14 @@ fn interface_panels(fields: &Fields) -> [Panel; 4] {
     };
     use palette::{BLACK, BLUE, GREEN, VERMILION};
     let touching: Vec<f64> = f.contact_pressure.iter().map(|p| if *p > 0.0 { *p } else { 0.0 }).collect();
+    let bodies = if f.upper_outflow == f.lower_outflow {
+        vec![curve(&f.upper_outflow, 1e6, "each body", GREEN, true)]
+    } else {
+        vec![
+            curve(&f.upper_outflow, 1e6, "upper body", GREEN, true),
+            curve(&f.lower_outflow, 1e6, "lower body", VERMILION, true),
+        ]
+    };
     let film = Panel {
         y: Axis::linear("h [\u{b5}m]", (0.0, 2.0 * FILM_HEIGHT)),
         ..panel("(c) Film thickness", "", true, vec![curve(&f.film_thickness, 1e6, "", BLACK, false)])
@@ -154,11 +175,7 @@ fn interface_panels(fields: &Fields) -> [Panel; 4] {
             "(d) Outflow of the tissue",
             "V [\u{b5}m/s]",
             true,
-            vec![
-                curve(&f.outflow, 1e6, "into the film", BLACK, false),
-                curve(&f.upper_outflow, 1e6, "upper body", GREEN, true),
-                curve(&f.lower_outflow, 1e6, "lower body", VERMILION, true),
-            ],
+            std::iter::once(curve(&f.outflow, 1e6, "into the film", BLACK, false)).chain(bodies).collect(),
         ),
     ]
 }

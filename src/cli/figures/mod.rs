@@ -7,3 +7,4 @@ pub mod fields;
 mod panel;
 pub mod press_and_release;
 pub mod stribeck;
+pub mod tornado;

@@ -36,7 +36,8 @@ fn draw(canvas: &dyn Canvas, table: &Table, radius: f64) -> Result<(), String> {
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("Stribeck analysis of two sliding cartilage layers", (40.0, 20.0), &title)?;
     let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
-    let depth = range_of(table.numbers("penetration_depth").into_iter().map(|d| 1e6 * d), Scale::Linear);
+    let depth = table.numbers("penetration_depth").into_iter().map(|d| 1e6 * d);
+    let depth = depth.fold((f64::MAX, f64::MIN), |(a, b), d| (a.min(d), b.max(d)));
     let shown = |values: &[f64]| values.iter().map(|v| tick_label(*v)).collect::<Vec<_>>().join(", ");
     let text = format!(
         "Sliding speed {} m/s; penetration depth d from {} \u{b5}m (right) to {} \u{b5}m (left), steady states.",
@@ -78,16 +79,21 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
         Line { label: label.into(), points: points(table, &scaled, |_| true), colour, dashed }
     };
     use palette::{BLACK, BLUE, GREEN, VERMILION};
-    let panel = |title: &str, label: &str, last, lines: Vec<Line>| Panel { bands: bands.clone(), ..plain(title, label, last, lines) };
+    let panel = |title: &str, label: &str, last, lines: Vec<Line>| {
+        let mut panel = plain(title, label, last, lines);
+        // Room for the names of the regimes above the curves.
+        panel.y.range.1 *= (panel.y.range.1 / panel.y.range.0).powf(0.28);
+        Panel { bands: bands.clone(), ..panel }
+    };
     vec![
         panel(
             "(a) Friction",
-            "\u{3bc}, \u{3bc}f, \u{393} [\u{2212}]",
+            "[\u{2212}]",
             false,
             vec![
-                curve(&friction, 1.0, "\u{3bc}", BLACK, false),
-                curve(&fluid_friction, 1.0, "\u{3bc}f", BLUE, true),
-                curve(&ratio, 1.0, "\u{393} = Lf / Ls", VERMILION, false),
+                curve(&friction, 1.0, "friction coefficient \u{3bc}", BLACK, false),
+                curve(&fluid_friction, 1.0, "\u{3bc} of the fluid", BLUE, true),
+                curve(&ratio, 1.0, "\u{393}: fluid / solid load", VERMILION, false),
             ],
         ),
         panel(
@@ -95,23 +101,23 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
             "[\u{b5}m]",
             false,
             vec![
-                curve(&contact, 1e6, "contact b", BLACK, false),
-                curve(&overlap, 1e6, "overlap b0", GREEN, true),
-                curve(&film, 1e6, "hmin", BLUE, false),
-                curve(&approach, 1e6, "|d|", VERMILION, true),
+                curve(&contact, 1e6, "contact length b", BLACK, false),
+                curve(&overlap, 1e6, "overlap b\u{2080}", GREEN, true),
+                curve(&film, 1e6, "thinnest film", BLUE, false),
+                curve(&approach, 1e6, "depth |d|", VERMILION, true),
             ],
         ),
         panel(
-            "(c) Largest stresses on the interface",
+            "(c) Largest pressures on the interface",
             "[kPa]",
             true,
-            vec![curve(&pressure, 1e-3, "fluid pmax", BLUE, false), curve(&stress, 1e-3, "solid Smax", VERMILION, false)],
+            vec![curve(&pressure, 1e-3, "fluid", BLUE, false), curve(&stress, 1e-3, "solid", VERMILION, false)],
         ),
         panel(
             "(d) Loads",
             "[N/m]",
             true,
-            vec![curve(&fluid, 1.0, "fluid Lf", BLUE, false), curve(&solid, 1.0, "solid Ls", VERMILION, false)],
+            vec![curve(&fluid, 1.0, "fluid", BLUE, false), curve(&solid, 1.0, "solid", VERMILION, false)],
         ),
     ]
 }
@@ -120,7 +126,8 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
 fn many_speeds(table: &Table, speeds: &[f64]) -> Vec<Panel> {
     let speed = table.numbers("sliding_speed");
     let panel = |title: &str, label: &str, name: &str, factor: f64, last: bool| {
-        let values: Vec<f64> = table.numbers(name).iter().map(|v| if *v > SMALLEST { v * factor } else { f64::NAN }).collect();
+        let values: Vec<f64> =
+            table.numbers(name).iter().map(|v| if *v > SMALLEST { v * factor } else { f64::NAN }).collect();
         let curve = |(index, u): (usize, &f64)| Line {
             label: if name == "friction_coefficient" { format!("{} m/s", tick_label(*u)) } else { String::new() },
             points: points(table, &values, |i| speed[i] == *u),
@@ -131,8 +138,8 @@ fn many_speeds(table: &Table, speeds: &[f64]) -> Vec<Panel> {
     };
     vec![
         panel("(a) Friction", "\u{3bc} [\u{2212}]", "friction_coefficient", 1.0, false),
-        panel("(b) Least film thickness", "hmin [\u{b5}m]", "minimum_film_thickness", 1e6, false),
-        panel("(c) Largest fluid pressure", "pmax [kPa]", "maximum_fluid_pressure", 1e-3, true),
+        panel("(b) Least film thickness", "h [\u{b5}m]", "minimum_film_thickness", 1e6, false),
+        panel("(c) Largest fluid pressure", "p [kPa]", "maximum_fluid_pressure", 1e-3, true),
         panel("(d) Contact length", "b [mm]", "contact_length", 1e3, true),
     ]
 }
@@ -142,7 +149,10 @@ fn plain(title: &str, label: &str, last: bool, lines: Vec<Line>) -> Panel {
     let log = Scale::Logarithmic;
     Panel {
         title: title.into(),
-        x: Axis::logarithmic("Sommerfeld number \u{3b7}U/L [\u{2212}]; load grows to the left", range_of(all().map(|p| p.0), log)),
+        x: Axis::logarithmic(
+            "Sommerfeld number \u{3b7}U/L [\u{2212}]; load grows to the left",
+            range_of(all().map(|p| p.0), log),
+        ),
         y: Axis::logarithmic(label, range_of(all().map(|p| p.1), log)),
         label_x: last,
         bands: Vec::new(),
@@ -154,7 +164,8 @@ fn plain(title: &str, label: &str, last: bool, lines: Vec<Line>) -> Panel {
 /// The intervals of the regimes, which meet halfway between states.
 fn regimes(table: &Table) -> Vec<Band> {
     let sommerfeld = table.numbers("sommerfeld_number");
-    let mut states: Vec<_> = sommerfeld.iter().zip(table.words("lubrication_regime")).filter(|(s, _)| **s > 0.0).collect();
+    let mut states: Vec<_> =
+        sommerfeld.iter().zip(table.words("lubrication_regime")).filter(|(s, _)| **s > 0.0).collect();
     states.sort_by(|a, b| a.0.total_cmp(b.0));
     let mut bands: Vec<Band> = Vec::new();
     for (index, (s, word)) in states.iter().enumerate() {

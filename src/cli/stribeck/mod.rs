@@ -87,7 +87,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let solved = solve(&case, &missing, threads, table, &with_fields)?;
 
     let mut files = vec![solved.table.path().to_owned()];
-    files.extend(figures::stribeck::save(&arguments.output.join("stribeck"), &solved.table, case.parameters.upper.outer_radius)?);
+    files.extend(figures::stribeck::save(
+        &arguments.output.join("stribeck"),
+        &solved.table,
+        case.parameters.upper.outer_radius,
+    )?);
     for fields in &solved.fields {
         files.extend(write_fields(&arguments.output, fields, speeds.len() > 1)?);
     }
@@ -195,8 +199,10 @@ fn write_fields(folder: &Path, fields: &Fields, several_speeds: bool) -> Result<
     }
     for (name, text) in [("bodies", vtu::bodies(fields)), ("interface", vtu::interface(&fields.interface))] {
         let path = folder.join(format!("{name}_{state}.vtu"));
-        std::fs::write(&path, text)
-            .map_err(|error| Error::File { path: path.display().to_string(), message: format!("could not write: {error}") })?;
+        std::fs::write(&path, text).map_err(|error| Error::File {
+            path: path.display().to_string(),
+            message: format!("could not write: {error}"),
+        })?;
         files.push(path);
     }
     Ok(files)

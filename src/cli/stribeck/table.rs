@@ -43,7 +43,11 @@ impl Table {
     pub fn open(folder: &Path, case: &Case, fresh: bool) -> Result<Self, Error> {
         std::fs::create_dir_all(folder).map_err(|error| unwritten(folder, error))?;
         let (path, case_path) = (folder.join("stribeck.csv"), folder.join("case.toml"));
-        let text = format!("# What stribeck.csv holds the states of.\n# cartilage-contact {}\n{}", version(), case.fixed_part());
+        let text = format!(
+            "# What stribeck.csv holds the states of.\n# cartilage-contact {}\n{}",
+            version(),
+            case.fixed_part()
+        );
         let mut rows = Vec::new();
         if !fresh && path.exists() {
             rows = read(&path)?;
@@ -134,7 +138,11 @@ impl Table {
             }
             text += &match (first..=last).find(|i| film[*i] <= 0.0) {
                 Some(touching) if touching > first => {
-                    format!("The solids first touch between {} and {} um.", micron(depth[touching - 1]), micron(depth[touching]))
+                    format!(
+                        "The solids first touch between {} and {} um.",
+                        micron(depth[touching - 1]),
+                        micron(depth[touching])
+                    )
                 }
                 Some(touching) => format!("The solids touch at {} um already.", micron(depth[touching])),
                 None => "The solids do not touch.".into(),
@@ -160,7 +168,8 @@ fn read(path: &Path) -> Result<Vec<Vec<String>>, Error> {
     if !header.is_empty() && !header.iter().eq(columns().map(|variable| variable.name.as_str())) {
         return Err(Error::File {
             path: path.display().to_string(),
-            message: "is no table of this version's variables; choose another folder with --output, or use --fresh".into(),
+            message: "is no table of this version's variables; choose another folder with --output, or use --fresh"
+                .into(),
         });
     }
     let mut rows = Vec::new();
