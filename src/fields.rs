@@ -354,8 +354,9 @@ mod tests {
             assert_relative_eq!(exuded, simulation.outputs().fluid_exudation, max_relative = 1e-3);
             let added: f64 = flows.iter().sum();
             assert_relative_eq!(f.film_flux[last] - f.film_flux[0], added, epsilon = 1e-6 * exuded);
-            for (i, pressed) in f.contact_pressure.iter().enumerate().skip(1).take(last - 2) {
-                if *pressed > 0.0 && f.contact_pressure[i - 1] > 0.0 && f.contact_pressure[i + 1] > 0.0 {
+            // Where both elements at a station are closed, what leaves one body enters the other.
+            for i in 2..last - 1 {
+                if f.contact_pressure[i - 2..=i + 2].iter().all(|pressed| *pressed > 0.0) {
                     assert!(f.outflow[i].abs() < 1e-4 * f.upper_outflow[i].abs().max(1e-6), "{i}: {}", f.outflow[i]);
                 }
             }

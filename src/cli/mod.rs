@@ -32,7 +32,7 @@ Examples:
   cartilage-contact solve --case examples/tissue.toml --json
   cartilage-contact solve --set both.shear_modulus=1e6 --set mesh.columns=200
   cartilage-contact stribeck --fields=-1e-6,19e-6,48e-6,100e-6
-  cartilage-contact sensitivity --depths 0,12e-6,50e-6
+  cartilage-contact sensitivity --depths 0,10e-6,50e-6
   cartilage-contact package --output CartilageLineContact.fmu
   cartilage-contact solve --help    (every variable with its unit, default and range)
 

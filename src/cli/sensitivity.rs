@@ -19,7 +19,7 @@ The folder gets sensitivity.csv, one row a change and depth, and a tornado plot.
 
 Examples:
   cartilage-contact sensitivity
-  cartilage-contact sensitivity --change 0.05 --depths 0,12e-6,30e-6 --case examples/tissue.toml";
+  cartilage-contact sensitivity --change 0.05 --depths 0,5e-6,20e-6 --case examples/tissue.toml";
 
 /// How load, friction and film answer to changes of each parameter.
 #[derive(clap::Args)]
@@ -29,7 +29,7 @@ pub struct Arguments {
     case: CaseArguments,
 
     /// Penetration depths [m]: a list, or from:to:step
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, default_value = "0,12e-6,50e-6")]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, default_value = "0,10e-6,50e-6")]
     depths: String,
 
     /// Relative change of each parameter

@@ -56,7 +56,7 @@ fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
         canvas,
         "Pressure and stress in the two layers",
         fields,
-        "Deformed shapes; above the layers to scale but for a stretched height, below the film enlarged.",
+        "Deformed heights over undeformed positions; below, the film enlarged.",
     )?;
     type Get = fn(&BodyFields) -> &Vec<f64>;
     let columns: [(&str, &str, Get); 2] = [
@@ -100,11 +100,8 @@ fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
             };
             for body in &fields.bodies {
                 let values: Vec<f64> = get(body).iter().map(|value| 1e-3 * value).collect();
-                // The film belongs to the places of the undeformed surfaces along x; drawn over them, the gap is its thickness.
-                let at = |node: usize| {
-                    let [x, y] = body.position(node);
-                    if half_height == FILM_HEIGHT { place(body.reference_position[node][0], y) } else { place(x, y) }
-                };
+                // The film belongs to places along the undeformed surfaces; over those, the gap is the film's thickness.
+                let at = |node: usize| place(body.reference_position[node][0], body.position(node)[1]);
                 map.fill(canvas, frame, body, &values, &at)?;
             }
             let outline = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];

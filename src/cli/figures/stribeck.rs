@@ -82,7 +82,7 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
     let panel = |title: &str, label: &str, last, lines: Vec<Line>| {
         let mut panel = plain(title, label, last, lines);
         // Room for the names of the regimes above the curves.
-        panel.y.range.1 *= (panel.y.range.1 / panel.y.range.0).powf(0.28);
+        panel.y.range.1 *= (panel.y.range.1 / panel.y.range.0).powf(0.2);
         Panel { bands: bands.clone(), ..panel }
     };
     vec![
@@ -102,7 +102,7 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
             false,
             vec![
                 curve(&contact, 1e6, "contact length b", BLACK, false),
-                curve(&overlap, 1e6, "overlap b\u{2080}", GREEN, true),
+                curve(&overlap, 1e6, "overlap if rigid", GREEN, true),
                 curve(&film, 1e6, "thinnest film", BLUE, false),
                 curve(&approach, 1e6, "depth |d|", VERMILION, true),
             ],

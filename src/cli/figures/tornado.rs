@@ -53,13 +53,13 @@ fn draw(canvas: &dyn Canvas, depths: &[f64], responses: &[Response], labels: &[&
             let style = Lettering::plain(17.0, HPos::Right, VPos::Center);
             canvas.text(label, (NAMES + 8.0, top + (row as f64 + 0.5) * ROW), &style)?;
         }
-        // One scale for all depths of a result.
-        let all = responses.iter().flat_map(|r| r.results.iter().map(move |values| 100.0 * values[result].abs()));
-        let (_, most) = range_of(all.chain([0.0, 1.0]), Scale::Linear);
         for (column, depth) in depths.iter().enumerate() {
             let left = NAMES + 20.0 + column as f64 * width;
             let frame = (left, top, left + width - 34.0, top + height);
             let title = format!("{name}, d = {} \u{b5}m", tick_label((depth * 1e9).round() / 1e3));
+            // Next to the onset of contact everything moves a hundred times more than elsewhere: each plot has its own scale.
+            let all = responses.iter().map(|r| 100.0 * r.results[column][result].abs()).filter(|size| size.is_finite());
+            let (_, most) = range_of(all.chain([0.0, 1.0]), Scale::Linear);
             bars(canvas, frame, &title, most, labels, &|label| {
                 let own = responses.iter().filter(move |response| response.label == label);
                 own.map(|response| (response.change > 0.0, 100.0 * response.results[column][result])).collect()
@@ -95,9 +95,10 @@ fn bars(
             canvas.area(&[(at(0.0), a), (at(value), a), (at(value), b), (at(0.0), b)], colour, 1.0)?;
         }
     }
-    canvas.line(&[(at(0.0), top), (at(0.0), bottom)], palette::BLACK, 1.5)?;
     canvas.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], palette::BLACK, 1.2)?;
-    if !drawn {
+    if drawn {
+        canvas.line(&[(at(0.0), top), (at(0.0), bottom)], palette::BLACK, 1.5)?;
+    } else {
         let style = Lettering { colour: palette::GREY, ..Lettering::plain(17.0, HPos::Center, VPos::Center) };
         canvas.text("the solids touch", (0.5 * (left + right), 0.5 * (top + bottom)), &style)?;
     }
