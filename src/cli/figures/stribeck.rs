@@ -82,7 +82,7 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
     let panel = |title: &str, label: &str, last, lines: Vec<Line>| {
         let mut panel = plain(title, label, last, lines);
         // Room for the names of the regimes above the curves.
-        panel.y.range.1 *= (panel.y.range.1 / panel.y.range.0).powf(0.2);
+        panel.y.range.1 *= (panel.y.range.1 / panel.y.range.0).powf(0.28);
         Panel { bands: bands.clone(), ..panel }
     };
     vec![

@@ -163,7 +163,10 @@ fn read(path: &Path) -> Result<Vec<Vec<String>>, Error> {
         path: path.display().to_string(),
         message: format!("could not read the table: {error}; remove it, or use --fresh"),
     };
-    let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(path).map_err(unreadable)?;
+    let text = std::fs::read(path).map_err(|error| unreadable(error.into()))?;
+    // The last number of a row that was cut off may still read as a number.
+    let whole = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(&text[..whole]);
     let header = reader.headers().map_err(unreadable)?.clone();
     if !header.is_empty() && !header.iter().eq(columns().map(|variable| variable.name.as_str())) {
         return Err(Error::File {
@@ -183,11 +186,6 @@ fn read(path: &Path) -> Result<Vec<Vec<String>>, Error> {
         if whole {
             rows.push(row);
         }
-    }
-    // The last number of a row that was cut off may still read as a number.
-    let text = std::fs::read(path).unwrap_or_default();
-    if !text.ends_with(b"\n") {
-        rows.pop();
     }
     Ok(rows)
 }
