@@ -27,6 +27,9 @@ const SHADES: usize = 40;
 /// Strips that an element is cut into along the surface, and parts of its thickness that a strip is cut into.
 const PARTS: (usize, usize) = (5, 6);
 
+/// Left and right end of a level across a strip.
+type Level = [(f64, f64); 2];
+
 /// Values from the first to the last colour.
 #[derive(Clone, Copy)]
 pub struct ColourMap {
@@ -97,7 +100,7 @@ impl ColourMap {
                     result
                 };
                 // Down the strip: left and right edge of every level, and the shade below it.
-                let mut runs: Vec<(usize, Vec<[(f64, f64); 2]>)> = Vec::new();
+                let mut runs: Vec<(usize, Vec<Level>)> = Vec::new();
                 for part in 0..body.rows * parts {
                     let (row, within) = (part / parts, part % parts);
                     let t = |k: usize| 2.0 * (within + k) as f64 / parts as f64 - 1.0;
