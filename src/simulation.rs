@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::equations::system::{Rates, Residual, System, boundary_friction, half_width};
 use crate::error::Error;
+use crate::fields::{Fields, Solution};
 use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
 use crate::parameters::{Inputs, Parameters};
 use crate::solver::linear::FIXED;
@@ -408,6 +409,15 @@ impl Simulation {
     /// The fixed stations of the profiles [m], [`STATIONS`] of them, ascending.
     pub fn position(&self) -> &[f64] {
         &self.position
+    }
+
+    /// Fields of the last solution over both bodies and along the interface; `None` before anything was solved.
+    pub fn fields(&self) -> Option<Fields> {
+        let State { inputs, mirrored, unknowns, active, .. } = self.state.as_ref()?;
+        let system = if *mirrored { &self.mirrored } else { &self.full }.as_ref()?;
+        let solution = Solution { system, parameters: &self.parameters, inputs, unknowns, active, rates: None };
+        // A state was accepted only with all elements the right way out.
+        solution.fields().ok()
     }
 
     /// Number of unknowns of the present state's equations, or of those that would be solved first.

@@ -9,7 +9,7 @@ const LAYERS: [&[&str]; 9] = [
     &["error", "units", "laws"],
     &["parameters", "fem", "solver"],
     &["equations"],
-    &["outputs"],
+    &["outputs", "fields"],
     &["simulation"],
     &["variables"],
     &["fmi", "io"],

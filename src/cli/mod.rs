@@ -1,11 +1,16 @@
 //! What a person types: one file a subcommand.
 
+mod case;
 mod figures;
 mod format;
 mod importer;
 mod package;
 mod press_and_release;
+mod sensitivity;
 mod solve;
+mod stribeck;
+mod sweep;
+mod validate;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -26,6 +31,8 @@ Examples:
   cartilage-contact solve --penetration-depth 12e-6 --sliding-speed 0.2
   cartilage-contact solve --case examples/tissue.toml --json
   cartilage-contact solve --set both.shear_modulus=1e6 --set mesh.columns=200
+  cartilage-contact stribeck --fields=-1e-6,19e-6,48e-6,100e-6
+  cartilage-contact sensitivity --depths 0,10e-6,50e-6
   cartilage-contact package --output CartilageLineContact.fmu
   cartilage-contact solve --help    (every variable with its unit, default and range)
 
@@ -42,6 +49,12 @@ struct Arguments {
 enum Command {
     /// Solve one steady state and print its loads, friction, film and regime
     Solve(solve::Arguments),
+    /// Sweep penetration depth and speed: the Stribeck curve of the paper, its fields, as tables and figures
+    Stribeck(stribeck::Arguments),
+    /// How load, friction and film answer to changes of each parameter
+    Sensitivity(sensitivity::Arguments),
+    /// Mesh convergence, variants of the model, and what the paper prints, as Markdown tables
+    Validate(validate::Arguments),
     /// Write the co-simulation FMU, for FMI 2.0 and for FMI 3.0
     Package(package::Arguments),
 }
@@ -73,6 +86,9 @@ pub fn run() -> ExitCode {
     let result = match arguments.command {
         None => press_and_release::run(),
         Some(Command::Solve(arguments)) => solve::run(&arguments),
+        Some(Command::Stribeck(arguments)) => stribeck::run(&arguments),
+        Some(Command::Sensitivity(arguments)) => sensitivity::run(&arguments),
+        Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Package(arguments)) => package::run(&arguments),
     };
     let (code, message) = match result {

@@ -1,13 +1,13 @@
 //! `cartilage-contact solve`: one steady state.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use cartilage_contact::io::case::Case;
 use cartilage_contact::parameters::Value;
 use cartilage_contact::simulation::Simulation;
 use cartilage_contact::variables::{self, VARIABLES, Variable, View};
 
+use super::case::CaseArguments;
 use super::{Failure, format, print};
 
 const EXAMPLES: &str = "\
@@ -23,9 +23,8 @@ Examples:
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = variables_help())]
 pub struct Arguments {
-    /// Case file (TOML): keys are the names of the variables
-    #[arg(long, value_name = "FILE.toml")]
-    case: Option<PathBuf>,
+    #[command(flatten)]
+    case: CaseArguments,
 
     /// Approach of the bones past first touch of the undeformed surfaces [m]; negative is clearance
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
@@ -38,10 +37,6 @@ pub struct Arguments {
     /// (Upper - lower surface speed) / sliding speed [1]
     #[arg(long, value_name = "RATIO", allow_hyphen_values = true)]
     slide_to_roll_ratio: Option<f64>,
-
-    /// Set any input or parameter by its name; `both.` sets both bodies; may be repeated
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
 
     /// Print one JSON object: SI values under the names of the FMU's variables, profiles as arrays
     #[arg(long)]
@@ -56,20 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&if arguments.json { json(&simulation)? } else { table(&simulation) })
 }
 
-/// Defaults, then the case file, then the flags.
+/// The case, then the flags of this command.
 fn case(arguments: &Arguments) -> Result<Case, Failure> {
-    let mut case = match &arguments.case {
-        // A file that is not there is a mistake of whoever named it.
-        Some(path) => Case::load(path).map_err(|error| Failure::Usage(error.to_string()))?,
-        None => Case::default(),
-    };
-    for assignment in &arguments.set {
-        let Some((name, value)) = assignment.split_once('=') else {
-            let message = format!("--set {assignment}: write it as NAME=VALUE, such as --set viscosity=2e-3");
-            return Err(Failure::Usage(message));
-        };
-        case.set(name.trim(), &value_of(value.trim()))?;
-    }
+    let mut case = arguments.case.load()?;
     for (name, value) in [
         ("penetration_depth", arguments.penetration_depth),
         ("sliding_speed", arguments.sliding_speed),
@@ -80,19 +64,6 @@ fn case(arguments: &Arguments) -> Result<Case, Failure> {
         }
     }
     Ok(case)
-}
-
-/// What a word on the command line means.
-fn value_of(text: &str) -> Value {
-    if let Ok(value) = text.parse() {
-        Value::Boolean(value)
-    } else if let Ok(value) = text.parse() {
-        Value::Integer(value)
-    } else if let Ok(value) = text.parse() {
-        Value::Real(value)
-    } else {
-        Value::Text(text.trim_matches(['"', '\'']).into())
-    }
 }
 
 /// The variables that `solve` prints beside the profiles.
@@ -158,17 +129,4 @@ fn variables_help() -> String {
         let _ = write!(text, "\n  {}{unit}\n      {}", variable.name, variable.description);
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_of_the_command_line_become_values() {
-        assert_eq!(value_of("120"), Value::Integer(120));
-        assert_eq!(value_of("-1e-5"), Value::Real(-1e-5));
-        assert_eq!(value_of("false"), Value::Boolean(false));
-        assert_eq!(value_of("'consistent'"), Value::Text("consistent".into()));
-    }
 }

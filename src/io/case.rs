@@ -21,7 +21,7 @@ use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use crate::error::Error;
-use crate::parameters::{Inputs, Parameters, Value};
+use crate::parameters::{Inputs, PARAMETERS, Parameters, Value};
 use crate::variables;
 
 /// Parameters and inputs that belong together.
@@ -83,6 +83,18 @@ impl Case {
             mistake(entry.map_or(0, |entry| entry.key.start), error.to_string())
         })?;
         Ok(case)
+    }
+
+    /// The text of a case file with every parameter and the slide-to-roll ratio: what a sweep over depth and speed keeps fixed.
+    pub fn fixed_part(&self) -> String {
+        let written = |value: Value| match value {
+            // Exponents keep small numbers short, and are read back to the same bits.
+            Value::Real(value) => format!("{value:e}"),
+            other => other.to_string(),
+        };
+        let inputs = std::iter::once(("slide_to_roll_ratio", Value::Real(self.inputs.slide_to_roll_ratio)));
+        let parameters = PARAMETERS.iter().map(|row| (row.name, row.get(&self.parameters)));
+        inputs.chain(parameters).map(|(name, value)| format!("{name} = {}\n", written(value))).collect()
     }
 
     /// Sets a variable by its name; `both.thickness` and the like set the two bodies. On an error nothing changes.
@@ -184,6 +196,16 @@ mod tests {
         assert_eq!((case.parameters.upper.thickness, case.parameters.lower.thickness), (2e-3, 1e-3));
         assert!(!case.parameters.boundary_friction_loads_tissue);
         assert_eq!(Case::parse("empty.toml", "").unwrap(), Case::default());
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let mut case = Case::default();
+        case.parameters.upper.thickness = 1.0 / 3.0 * 1e-3;
+        case.parameters.formulation = crate::laws::Formulation::Consistent;
+        case.parameters.boundary_friction_loads_tissue = false;
+        case.inputs.slide_to_roll_ratio = 0.1;
+        assert_eq!(Case::parse("f", &case.fixed_part()).unwrap(), case);
     }
 
     #[test]

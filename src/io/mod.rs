@@ -1,3 +1,4 @@
 //! Files that people write and read.
 
 pub mod case;
+pub mod vtu;

@@ -1,5 +1,10 @@
-//! Figures. [`canvas`] draws and writes files, [`panel`] is a pair of axes; one file a figure beside them.
+//! Figures. [`canvas`] draws and writes files, [`panel`] is a pair of axes, [`colour_map`] a field in colours; one file a figure
+//! beside them.
 
 mod canvas;
+mod colour_map;
+pub mod fields;
 mod panel;
 pub mod press_and_release;
+pub mod stribeck;
+pub mod tornado;

@@ -96,7 +96,7 @@ impl Axis {
     }
 
     /// Values with a number, and those with a short tick only.
-    fn ticks(&self) -> (Vec<f64>, Vec<f64>) {
+    pub fn ticks(&self) -> (Vec<f64>, Vec<f64>) {
         let (first, last) = self.range;
         let slack = 1e-9 * (last - first).abs();
         let inside = |v: &f64| *v >= first - slack && *v <= last + slack;
@@ -190,7 +190,20 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
         let (a, b) = (edge(band.range.0), edge(band.range.1));
         canvas.area(&[(a, top), (b, top), (b, bottom), (a, bottom)], band.colour, 0.16)?;
         let style = Lettering { colour: palette::GREY, ..Lettering::plain(TICK_SIZE, HPos::Left, VPos::Top) };
-        canvas.text(&band.label, (a + 8.0, top + 5.0), &style)?;
+        let lines = wrapped(canvas, &band.label, b - a - 12.0, &style);
+        if lines.iter().any(|line| canvas.text_width(line, &style) > b - a - 4.0) {
+            // Too narrow for its words: upwards.
+            let upright = Lettering { upwards: true, anchor: Anchor(HPos::Center, VPos::Center), ..style };
+            canvas.text(
+                &band.label,
+                (0.5 * (a + b), top + 10.0 + 0.5 * canvas.text_width(&band.label, &style)),
+                &upright,
+            )?;
+            continue;
+        }
+        for (index, line) in lines.iter().enumerate() {
+            canvas.text(line, (a + 8.0, top + 5.0 + 1.15 * TICK_SIZE * index as f64), &style)?;
+        }
     }
     let grid = RGBColor(0xDD, 0xDD, 0xDD);
     let (major, minor) = panel.y.ticks();
@@ -238,6 +251,19 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
     let style = Lettering { upwards: true, ..Lettering::plain(LABEL_SIZE, HPos::Center, VPos::Bottom) };
     canvas.text(&panel.y.label, (left - 64.0, 0.5 * (top + bottom)), &style)?;
     legend(canvas, (right, top - 17.0), &panel.lines)
+}
+
+/// A text in lines that are no wider than this, if its words are not.
+fn wrapped(canvas: &dyn Canvas, text: &str, width: f64, style: &Lettering) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match (lines.last_mut(), longer) {
+            (Some(line), Some(longer)) if canvas.text_width(&longer, style) <= width => *line = longer,
+            _ => lines.push(word.into()),
+        }
+    }
+    lines
 }
 
 /// A number with its exponent raised. (Few fonts have all superscript digits.)

@@ -1,0 +1,106 @@
+//! The flags that say which case: shared by the subcommands that solve one.
+
+use std::path::PathBuf;
+
+use cartilage_contact::io::case::Case;
+use cartilage_contact::parameters::Value;
+
+use super::Failure;
+
+/// Where the case comes from.
+#[derive(clap::Args)]
+pub struct CaseArguments {
+    /// Case file (TOML): keys are the names of the variables
+    #[arg(long, value_name = "FILE.toml")]
+    case: Option<PathBuf>,
+
+    /// Set any input or parameter by its name; `both.` sets both bodies; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+}
+
+impl CaseArguments {
+    /// Defaults, then the case file, then what was set.
+    pub fn load(&self) -> Result<Case, Failure> {
+        let mut case = match &self.case {
+            // A file that is not there is a mistake of whoever named it.
+            Some(path) => Case::load(path).map_err(|error| Failure::Usage(error.to_string()))?,
+            None => Case::default(),
+        };
+        for assignment in &self.set {
+            let Some((name, value)) = assignment.split_once('=') else {
+                let message = format!("--set {assignment}: write it as NAME=VALUE, such as --set viscosity=2e-3");
+                return Err(Failure::Usage(message));
+            };
+            case.set(name.trim(), &value_of(value.trim()))?;
+        }
+        Ok(case)
+    }
+}
+
+/// What a word on the command line means.
+fn value_of(text: &str) -> Value {
+    if let Ok(value) = text.parse() {
+        Value::Boolean(value)
+    } else if let Ok(value) = text.parse() {
+        Value::Integer(value)
+    } else if let Ok(value) = text.parse() {
+        Value::Real(value)
+    } else {
+        Value::Text(text.trim_matches(['"', '\'']).into())
+    }
+}
+
+/// Numbers as a list: each item of `text` between commas is a number or a range `from:to:step`, ends included.
+pub fn numbers(flag: &str, text: &str) -> Result<Vec<f64>, Failure> {
+    const MOST: f64 = 1e5;
+    let mut all = Vec::new();
+    for item in text.split(',') {
+        let refuse = |why: &str| {
+            Err(Failure::Usage(format!(
+                "{flag}: `{item}` {why}; give SI numbers as a list 0,12e-6,50e-6 or as from:to:step, such as -10e-6:100e-6:1e-6"
+            )))
+        };
+        let parsed: Result<Vec<f64>, _> = item.split(':').map(|number| number.trim().parse::<f64>()).collect();
+        match parsed.as_deref() {
+            Ok([value]) if value.is_finite() => all.push(*value),
+            Ok([from, to, step]) => {
+                let count = ((to - from) / step * (1.0 + 1e-9)).floor();
+                if !(0.0..MOST).contains(&count) || !count.is_finite() {
+                    return refuse("is no range: the step has to lead from the first number to the last");
+                }
+                // The same numbers as if they were written out, without the round-off of adding steps.
+                let tidy = |value: f64| format!("{value:.11e}").parse().unwrap_or(value);
+                all.extend((0..=count as u32).map(|i| tidy(from + f64::from(i) * step) + 0.0));
+            }
+            _ => return refuse("is not a number"),
+        }
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_the_command_line_become_values() {
+        assert_eq!(value_of("120"), Value::Integer(120));
+        assert_eq!(value_of("-1e-5"), Value::Real(-1e-5));
+        assert_eq!(value_of("false"), Value::Boolean(false));
+        assert_eq!(value_of("'consistent'"), Value::Text("consistent".into()));
+    }
+
+    #[test]
+    fn lists_and_ranges_become_numbers() {
+        let read = |text| numbers("--depths", text).ok().unwrap();
+        assert_eq!(read("-1e-5, 0,2"), [-1e-5, 0.0, 2.0]);
+        assert_eq!(read("-3e-6:3e-6:1e-6"), [-3e-6, -2e-6, -1e-6, 0.0, 1e-6, 2e-6, 3e-6]);
+        assert_eq!(read("-10e-6:100e-6:1e-6").len(), 111);
+        assert_eq!(read("0.3:0.1:-0.1,1"), [0.3, 0.2, 0.1, 1.0]);
+        for wrong in ["", "deep", "1:2", "1:2:0", "1:2:-1", "1:2:1e-9", "nan", "1:2:3:4"] {
+            let Err(Failure::Usage(message)) = numbers("--depths", wrong) else { panic!("{wrong}") };
+            assert!(message.contains("--depths") && message.contains("from:to:step"), "{message}");
+        }
+    }
+}

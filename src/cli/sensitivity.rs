@@ -1,0 +1,217 @@
+//! `cartilage-contact sensitivity`: how load, friction and film answer to changes of each parameter.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use cartilage_contact::error::Error;
+use cartilage_contact::io::case::Case;
+use cartilage_contact::outputs::Outputs;
+use cartilage_contact::parameters::{Inputs, Value};
+use cartilage_contact::variables;
+
+use super::case::{CaseArguments, numbers};
+use super::stribeck::progress;
+use super::{Failure, figures, format, print, sweep};
+
+const EXAMPLES: &str = "\
+Each parameter is changed alone (of both bodies together), down and up by the same share, as far as its range allows. \
+The folder gets sensitivity.csv, one row a change and depth, and a tornado plot.
+
+Examples:
+  cartilage-contact sensitivity
+  cartilage-contact sensitivity --change 0.05 --depths 0,5e-6,20e-6 --case examples/tissue.toml";
+
+/// How load, friction and film answer to changes of each parameter.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    case: CaseArguments,
+
+    /// Penetration depths [m]: a list, or from:to:step
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, default_value = "0,10e-6,50e-6")]
+    depths: String,
+
+    /// Relative change of each parameter
+    #[arg(long, value_name = "SHARE", default_value_t = 0.2)]
+    change: f64,
+
+    /// Folder for everything that is written
+    #[arg(long, value_name = "FOLDER", default_value = "target/sensitivity")]
+    output: PathBuf,
+
+    /// Threads; by default one a processor
+    #[arg(long, value_name = "COUNT")]
+    threads: Option<usize>,
+}
+
+/// What is varied: the name in a case, and what people call it.
+const VARIED: [(&str, &str); 12] = [
+    ("both.outer_radius", "radius"),
+    ("both.thickness", "thickness"),
+    ("both.shear_modulus", "shear modulus"),
+    ("both.bulk_modulus", "bulk modulus"),
+    ("both.permeability", "permeability"),
+    ("both.biot_coefficient", "Biot coefficient"),
+    ("sliding_speed", "sliding speed"),
+    ("viscosity", "viscosity"),
+    ("fluid_compressibility", "compressibility"),
+    ("density", "density"),
+    ("boundary_friction_coefficient", "boundary friction"),
+    ("sector_half_angle", "sector angle"),
+];
+
+/// The results that are looked at, with their names among the variables.
+pub const RESULTS: [(&str, &str); 3] =
+    [("load", "Load"), ("friction_coefficient", "Friction coefficient"), ("minimum_film_thickness", "Thinnest film")];
+
+fn results(outputs: &Outputs) -> [f64; 3] {
+    [outputs.load, outputs.friction_coefficient, outputs.minimum_film_thickness]
+}
+
+/// One changed parameter.
+pub struct Response {
+    /// Name in a case.
+    pub parameter: &'static str,
+    /// What people call it.
+    pub label: &'static str,
+    /// Relative change of the parameter.
+    pub change: f64,
+    /// Relative changes of the three results at each depth; NaN where there is none, as of a film that is gone.
+    pub results: Vec<[f64; 3]>,
+}
+
+/// Solves every change, writes table and plot, prints the table.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let case = arguments.case.load()?;
+    let mut depths = numbers("--depths", &arguments.depths)?;
+    depths.sort_by(f64::total_cmp);
+    let change = arguments.change;
+    if !(1e-6..=0.9).contains(&change) {
+        return Err(Error::value("--change", change, "a share from 1e-6 to 0.9, such as 0.2 for 20 %").into());
+    }
+    let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let responses = responses(&case, &depths, change, threads)?;
+
+    std::fs::create_dir_all(&arguments.output).map_err(|error| unwritten(&arguments.output, error))?;
+    let csv = arguments.output.join("sensitivity.csv");
+    write_csv(&csv, &depths, &responses).map_err(|error| unwritten(&csv, error))?;
+    let [svg, png] = figures::tornado::save(&arguments.output.join("sensitivity"), &depths, &responses)?;
+    print(&table(&depths, &responses))?;
+    print(&format!("\nWrote {}, {} and {}\n", csv.display(), svg.display(), png.display()))
+}
+
+fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
+    Error::File { path: path.display().to_string(), message: format!("could not write: {error}") }
+}
+
+/// The case with one parameter multiplied by 1 + change, or as much as is allowed, and by what it was multiplied; `None` where
+/// nothing changes.
+fn changed(case: &Case, name: &str, change: f64) -> Result<Option<(Case, f64)>, Failure> {
+    let variable = variables::find(&name.replace("both.", "upper."))?;
+    let view = variables::View {
+        parameters: &case.parameters,
+        inputs: &case.inputs,
+        outputs: &Outputs::default(),
+        position: &[],
+    };
+    let Value::Real(value) = variable.get(&view) else { return Ok(None) };
+    let (least, most) = variable.range().unwrap_or((f64::MIN, f64::MAX));
+    let target = (value * (1.0 + change)).clamp(least, most);
+    if target == value {
+        return Ok(None);
+    }
+    let mut result = *case;
+    result.set(name, &Value::Real(target))?;
+    Ok(Some((result, target / value - 1.0)))
+}
+
+fn responses(case: &Case, depths: &[f64], change: f64, threads: usize) -> Result<Vec<Response>, Failure> {
+    let mut cases = vec![("", "", 0.0, *case)];
+    for (name, label) in VARIED {
+        for change in [-change, change] {
+            if let Some((varied, change)) = changed(case, name, change)? {
+                cases.push((name, label, change, varied));
+            }
+        }
+    }
+    let bar = progress(cases.len() * depths.len());
+    let solved = Mutex::new(vec![vec![[f64::NAN; 3]; depths.len()]; cases.len()]);
+    let next = Mutex::new(0..cases.len());
+    let trouble: Mutex<Option<Error>> = Mutex::new(None);
+    std::thread::scope(|scope| {
+        for _ in 0..threads.max(1) {
+            scope.spawn(|| {
+                while let Some(index) = next.lock().unwrap_or_else(PoisonError::into_inner).next() {
+                    let (_, label, change, case) = &cases[index];
+                    let points: Vec<_> =
+                        depths.iter().map(|d| Inputs { penetration_depth: *d, ..case.inputs }).collect();
+                    let result = sweep::solve(&case.parameters, &points, 1, &|point, result| {
+                        match result {
+                            Ok(simulation) => {
+                                let mut solved = solved.lock().unwrap_or_else(PoisonError::into_inner);
+                                solved[index][point] = results(simulation.outputs());
+                            }
+                            Err(error) => bar.suspend(|| eprintln!("failed: {label} {}: {error}", percent(*change))),
+                        }
+                        bar.inc(1);
+                    });
+                    if let Err(error) = result {
+                        *trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                    }
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    if let Some(error) = trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error.into());
+    }
+    let solved = solved.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let relative = |new: f64, old: f64| if old == 0.0 { f64::NAN } else { new / old - 1.0 };
+    let of = |index: usize| -> Vec<[f64; 3]> {
+        let pairs = solved[index].iter().zip(&solved[0]);
+        pairs.map(|(new, old)| std::array::from_fn(|k| relative(new[k], old[k]))).collect()
+    };
+    Ok((1..cases.len())
+        .map(|index| {
+            let (parameter, label, change, _) = cases[index];
+            Response { parameter, label, change, results: of(index) }
+        })
+        .collect())
+}
+
+fn percent(share: f64) -> String {
+    if share.is_nan() { "-".into() } else { format!("{:+.1} %", 100.0 * share) }
+}
+
+fn write_csv(path: &Path, depths: &[f64], responses: &[Response]) -> Result<(), csv::Error> {
+    let mut writer = csv::Writer::from_path(path)?;
+    let names = RESULTS.map(|(name, _)| format!("{name}_relative_change"));
+    let head = ["parameter", "relative_change", "penetration_depth"].map(str::to_owned);
+    writer.write_record(head.iter().chain(&names))?;
+    for response in responses {
+        for (depth, results) in depths.iter().zip(&response.results) {
+            let numbers = [format!("{:.6}", response.change), format!("{depth:e}")];
+            // A result that has no relative change has an empty cell.
+            let cells = results.map(|r| if r.is_nan() { String::new() } else { format!("{r:.9}") });
+            writer.write_record([response.parameter.to_owned()].iter().chain(&numbers).chain(&cells))?;
+        }
+    }
+    Ok(writer.flush()?)
+}
+
+/// The table as Markdown.
+fn table(depths: &[f64], responses: &[Response]) -> String {
+    let heads: Vec<_> = RESULTS
+        .iter()
+        .flat_map(|(_, label)| depths.iter().map(move |d| format!("{label}, {} um", format::number(1e6 * d, 4))))
+        .collect();
+    let mut text = format!("| parameter | change | {} |\n|---|---|{}\n", heads.join(" | "), "---|".repeat(heads.len()));
+    for response in responses {
+        let cells: Vec<_> =
+            (0..RESULTS.len()).flat_map(|k| response.results.iter().map(move |r| percent(r[k]))).collect();
+        text += &format!("| {} | {} | {} |\n", response.label, percent(response.change), cells.join(" | "));
+    }
+    text
+}

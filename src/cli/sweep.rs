@@ -1,0 +1,85 @@
+//! Many states of one case, on several threads.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use cartilage_contact::error::Error;
+use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::simulation::Simulation;
+
+/// Fewer points than this are not shared out: a state far from the last one costs as much as several nearby.
+const SMALLEST_SHARE: usize = 4;
+
+/// Solves all points. Every thread takes consecutive points, each starting from the one before; a thread that has no more takes
+/// over half of what is left to another. `done` hears of every point as it is solved, or why it was not.
+///
+/// # Errors
+/// [`Error::Value`] where a parameter is out of range.
+pub fn solve(
+    parameters: &Parameters,
+    points: &[Inputs],
+    threads: usize,
+    done: &(dyn Fn(usize, Result<&Simulation, Error>) + Sync),
+) -> Result<(), Error> {
+    let threads = threads.clamp(1, points.len().div_ceil(SMALLEST_SHARE).max(1));
+    let share = points.len().div_ceil(threads);
+    let shares: Vec<_> =
+        (0..threads).map(|i| (i * share).min(points.len())..((i + 1) * share).min(points.len())).collect();
+    let shares = Mutex::new(shares);
+    let simulations: Result<Vec<_>, _> = (0..threads).map(|_| Simulation::new(parameters)).collect();
+    std::thread::scope(|scope| {
+        for (worker, mut simulation) in simulations?.into_iter().enumerate() {
+            let shares = &shares;
+            scope.spawn(move || {
+                let rest = simulation.snapshot();
+                while let Some(index) = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), worker) {
+                    let point = points[index];
+                    // Surfaces close more readily than they part.
+                    let parting = point.penetration_depth < simulation.inputs().penetration_depth;
+                    let result = if parting { simulation.restore(&rest) } else { Ok(()) };
+                    let result = result.and_then(|()| simulation.solve_steady(point));
+                    done(index, result.map(|()| &simulation));
+                }
+            });
+        }
+        Ok(())
+    })
+}
+
+/// The next point of a worker.
+fn next(shares: &mut [Range<usize>], worker: usize) -> Option<usize> {
+    if shares[worker].is_empty() {
+        let largest = (0..shares.len()).max_by_key(|other| shares[*other].len())?;
+        let Range { start, end } = shares[largest];
+        if end - start < SMALLEST_SHARE {
+            return None;
+        }
+        let middle = start + (end - start) / 2;
+        shares[largest] = start..middle;
+        shares[worker] = middle..end;
+    }
+    shares[worker].next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_point_is_given_out_once() {
+        let mut shares = vec![0..10, 10..20, 20..20];
+        let mut given: Vec<usize> = Vec::new();
+        let mut idle = 0;
+        while idle < 5 {
+            idle = 0;
+            for worker in [2, 0, 2, 2, 1] {
+                match next(&mut shares, worker) {
+                    Some(point) => given.push(point),
+                    None => idle += 1,
+                }
+            }
+        }
+        given.sort_unstable();
+        assert_eq!(given, (0..20).collect::<Vec<_>>());
+    }
+}

@@ -1,0 +1,72 @@
+//! Fields against the outputs of the same state, and against the balance of fluid.
+
+#![allow(clippy::unwrap_used)]
+
+use approx::assert_relative_eq;
+use cartilage_contact::fields::Fields;
+use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::simulation::Simulation;
+
+/// A state on a small mesh.
+fn solved(depth: f64, change: impl Fn(&mut Parameters)) -> (Simulation, Fields) {
+    let mut parameters = Parameters::default();
+    (parameters.mesh.columns, parameters.mesh.rows) = (24, 3);
+    change(&mut parameters);
+    let mut simulation = Simulation::new(&parameters).unwrap();
+    assert!(simulation.fields().is_none());
+    simulation.solve_steady(Inputs { penetration_depth: depth, ..Inputs::default() }).unwrap();
+    let fields = simulation.fields().unwrap();
+    (simulation, fields)
+}
+
+#[test]
+fn fields_agree_with_the_outputs() {
+    for (depth, order) in [(5e-6, 2), (5e-6, 1), (20e-6, 2)] {
+        let (simulation, fields) = solved(depth, |p| p.pressure_order = order);
+        let (outputs, interface) = (simulation.outputs(), &fields.interface);
+        let largest = |values: &[f64]| values.iter().copied().fold(f64::MIN, f64::max);
+        assert_relative_eq!(largest(&interface.fluid_pressure), outputs.maximum_fluid_pressure, max_relative = 0.02);
+        assert_relative_eq!(largest(&interface.contact_pressure), outputs.maximum_contact_pressure);
+        let von_mises = fields.bodies.each_ref().map(|body| largest(&body.von_mises_stress));
+        assert_relative_eq!(von_mises[0].max(von_mises[1]), outputs.maximum_von_mises_stress, max_relative = 0.2);
+        assert_eq!(fields.inputs.penetration_depth, depth);
+        // The bone moves by half the depth, and a body that is pressed shrinks.
+        let bone = fields.bodies[0].displacement[2 * 3];
+        assert_eq!(bone, [0.0, -0.5 * depth]);
+        assert!(fields.bodies[0].volume_ratio.iter().copied().fold(f64::MAX, f64::min) < 1.0);
+    }
+}
+
+#[test]
+fn outflow_and_film_flux_conserve_fluid() {
+    // In contact and out of it; equal bodies and unequal ones.
+    for (depth, thickness) in [(5e-6, 1e-3), (5e-6, 1.3e-3), (20e-6, 1e-3)] {
+        let (simulation, fields) = solved(depth, |p| p.upper.thickness = thickness);
+        let f = &fields.interface;
+        let last = f.position.len() - 1;
+        let flows: Vec<f64> = f.outflow.iter().zip(&f.weight).map(|(v, w)| v * w).collect();
+        let exuded: f64 = flows.iter().map(|v| v.max(0.0)).sum();
+        // The outputs have it from the balance of the film, the fields from those of the bodies.
+        assert_relative_eq!(exuded, simulation.outputs().fluid_exudation, max_relative = 1e-3);
+        let added: f64 = flows.iter().sum();
+        assert_relative_eq!(f.film_flux[last] - f.film_flux[0], added, epsilon = 1e-6 * exuded);
+        // Where both elements at a station are closed, what leaves one body enters the other.
+        for i in 2..last - 1 {
+            if f.contact_pressure[i - 2..=i + 2].iter().all(|pressed| *pressed > 0.0) {
+                assert!(f.outflow[i].abs() < 1e-4 * f.upper_outflow[i].abs().max(1e-6), "{i}: {}", f.outflow[i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn equal_bodies_without_friction_are_mirror_images() {
+    let (_, fields) = solved(5e-6, |_| ());
+    let [upper, lower] = &fields.bodies;
+    for (node, [x, y]) in upper.reference_position.iter().enumerate() {
+        assert_eq!(lower.reference_position[node], [*x, -y]);
+        assert_eq!(lower.displacement[node], [upper.displacement[node][0], -upper.displacement[node][1]]);
+        assert_eq!(lower.darcy_flux[node][1], -upper.darcy_flux[node][1]);
+    }
+    assert_eq!(fields.interface.upper_outflow, fields.interface.lower_outflow);
+}
