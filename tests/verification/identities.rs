@@ -105,13 +105,8 @@ fn energy_and_mass_of_the_film() {
                 let outflow = |i: usize| -bodies[0][2][i * levels] - bodies[1][2][i * levels];
                 let last = film.len() - 1;
                 let size = film.iter().map(|f| f[0].abs()).sum::<f64>();
-                for i in 1..last {
-                    assert!(
-                        (outflow(i) - film[i][0]).abs() < 1e-8 * size,
-                        "station {i}: {} {}",
-                        outflow(i),
-                        film[i][0]
-                    );
+                for (i, taken) in film.iter().enumerate().take(last).skip(1) {
+                    assert!((outflow(i) - taken[0]).abs() < 1e-8 * size, "station {i}: {} {}", outflow(i), taken[0]);
                 }
                 // The ends' film terms are what flows out of it there: int V = Q_out - Q_in.
                 let total: f64 = (1..last).map(outflow).sum();
