@@ -239,7 +239,8 @@ impl Solved<'_> {
         let (least, position) = extremum(&gap, &system.stations, -1.0);
         let (least, position) = match self.active.iter().position(|a| *a) {
             Some(first) => (Dual64::from(0.0), Dual64::from(system.stations[first])),
-            None => (least, position),
+            // At rest and at first touch round-off decides the sign.
+            None => (if least.re > 0.0 { least } else { Dual64::from(0.0) }, position),
         };
         let mut contact_length = Dual64::from(0.0);
         for i in 0..gap.len() - 1 {
@@ -280,7 +281,7 @@ impl Solved<'_> {
             fluid_load_support: ratio_of(fluid_load, load),
             minimum_film_thickness: least,
             minimum_film_position: position,
-            central_film_thickness: gap[gap.len() / 2],
+            central_film_thickness: if self.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
             contact_length,
             maximum_fluid_pressure: extremum(&pressure, &system.stations, 1.0).0,
             minimum_fluid_pressure: extremum(&pressure, &system.stations, -1.0).0,
@@ -294,7 +295,8 @@ impl Solved<'_> {
             fluid_exudation: exudation,
             lubrication_regime: regime,
             newton_iterations: 0,
-            film_thickness: profile(&gap),
+            // Between nodes in contact the interpolated gap may dip below zero, where the film is closed.
+            film_thickness: profile(&gap).into_iter().map(|h| if h.re > 0.0 { h } else { Dual64::from(0.0) }).collect(),
             fluid_pressure: profile(&pressure),
             contact_pressure: self.linear_profile(&contact_pressure),
         }

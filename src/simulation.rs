@@ -134,22 +134,39 @@ impl Simulation {
             }
         }
         let mut iterations = 0;
-        let mut state = match &self.state {
+        let from = match &self.state {
             Some(state) => state.clone(),
             None => self.rest(&inputs),
         };
-        let start = state.inputs;
-        let mut rest = self.state.is_some().then(|| self.rest(&inputs));
+        let mut result = self.travel(&from, &inputs, &mut iterations);
+        if result.is_err() {
+            // Without motion fluid and film play no part, and pressing is easy; then the surfaces are set in motion.
+            let rest = self.rest(&inputs);
+            let pressed = Inputs { sliding_speed: 0.0, ..inputs };
+            let moved = self
+                .travel(&rest, &pressed, &mut iterations)
+                .and_then(|state| self.travel(&state, &inputs, &mut iterations));
+            result = moved.or(result);
+        }
+        let state = result?;
+        self.accept(State { iterations: iterations as i32, ..state })
+    }
+
+    /// Goes from one state to others by steps of the inputs, at the end through time; adds to the count of iterations.
+    fn travel(&mut self, from: &State, inputs: &Inputs, iterations: &mut usize) -> Result<State, Error> {
+        let cold = from.sensitivities.is_empty();
+        let limit = if cold { COLD_ITERATIONS } else { WARM_ITERATIONS };
+        let mut rest = (!cold).then(|| self.rest(inputs));
+        let mut state = from.clone();
         let result = continuation::advance(|to| {
-            let target = between(&start, &inputs, to);
-            let limit = if self.state.is_some() { WARM_ITERATIONS } else { COLD_ITERATIONS };
+            let target = between(&from.inputs, inputs, to);
             let (mut next, spent) = self.step(&state, &target, limit);
-            iterations += spent;
+            *iterations += spent;
             let mut reached = to;
             if let (Err(_), Some(rest)) = (&next, rest.take()) {
                 // Surfaces close more readily than they part: from rest even far targets are often reached at once.
-                let (whole, spent) = self.step(&rest, &inputs, COLD_ITERATIONS);
-                iterations += spent;
+                let (whole, spent) = self.step(&rest, inputs, COLD_ITERATIONS);
+                *iterations += spent;
                 if whole.is_ok() {
                     (next, reached) = (whole, 1.0);
                 }
@@ -157,18 +174,15 @@ impl Simulation {
             state = next?;
             Ok(reached)
         });
-        if let Err(continuation::Stuck { fraction, reason }) = result {
-            let (relaxed, spent) = self.relax(&state, &inputs);
-            iterations += spent;
-            state = relaxed.map_err(|_| Error::NotConverged {
-                requested: inputs.to_string(),
-                reached: state.inputs.to_string(),
-                fraction,
-                reason,
-            })?;
-        }
-        state.iterations = iterations as i32;
-        self.accept(state)
+        let Err(continuation::Stuck { fraction, reason }) = result else { return Ok(state) };
+        let (relaxed, spent) = self.relax(&state, inputs);
+        *iterations += spent;
+        relaxed.map_err(|_| Error::NotConverged {
+            requested: inputs.to_string(),
+            reached: state.inputs.to_string(),
+            fraction,
+            reason,
+        })
     }
 
     /// Both bodies apart and at rest: the one state that is known without solving.
@@ -357,7 +371,13 @@ impl Simulation {
         State {
             mirrored,
             unknowns: convert(&state.unknowns),
-            sensitivities: state.sensitivities.chunks_exact(n_from).flat_map(convert).collect(),
+            sensitivities: state
+                .sensitivities
+                .chunks_exact(n_from)
+                .enumerate()
+                // A mirrored pair does not change with the slide-to-roll ratio.
+                .flat_map(|(k, s)| if mirrored && k == 2 { vec![0.0; n_to] } else { convert(s) })
+                .collect(),
             ..state
         }
     }
