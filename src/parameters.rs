@@ -274,12 +274,11 @@ impl Parameters {
             row.set(&mut copy, &row.get(self))?;
         }
         for (name, body) in [("upper", &self.upper), ("lower", &self.lower)] {
-            if self.formulation == Formulation::Paper && !(0.0 < body.biot_coefficient && body.biot_coefficient < 1.0) {
+            if self.formulation == Formulation::Paper && body.biot_coefficient == 0.0 {
                 return Err(Error::value(
                     &format!("{name}.biot_coefficient"),
                     body.biot_coefficient,
-                    "above 0 and below 1 in the paper's formulation, which weighs shear and bulk modulus with it and with 1 \
-                     minus it; or formulation = \"consistent\"",
+                    "above 0 in the paper's formulation, which weighs the shear modulus with it; or formulation = \"consistent\"",
                 ));
             }
             if body.thickness >= 0.5 * body.outer_radius {

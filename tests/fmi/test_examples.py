@@ -1,9 +1,12 @@
 """The Python examples run, and their numbers make sense."""
 
 import importlib.util
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from conftest import COARSE
 
 
@@ -29,3 +32,45 @@ def test_two_compartments(fmu2, tmp_path):
     assert (np.diff(medial[2:]) > 0).all() and (np.diff(lateral[2:]) > 0).all()
     # The thicker layer gives way more.
     assert (lateral[2:] < medial[2:]).all()
+
+
+def test_joint_mujoco(fmu2, tmp_path):
+    result = load("joint_mujoco").main(
+        fmu2, picture=tmp_path / "joint.png", parameters={"mesh.columns": 24, "mesh.rows": 2}, duration=0.05,
+        explicit_sizes=(4e-4, 2.5e-3), implicit_sizes=(2.5e-3, 5e-3),
+    )  # fmt: skip
+    assert result["stable"] == {"explicit": 4e-4, "implicit": 5e-3}
+    assert 4e-4 < result["limit"] < 2.5e-3
+    fine, coarse = (result["runs"][name][0] for name in ["explicit, small", "implicit, large"])
+    assert fine[-1, 0] == pytest.approx(coarse[-1, 0])
+    np.testing.assert_allclose(coarse[-1, 1:], fine[-1, 1:], rtol=0.01)
+    assert (tmp_path / "joint.png").stat().st_size > 10_000
+
+
+def test_population_resumes_and_keeps_failures(fmu2, tmp_path):
+    # In a process of its own: Dask's workers import the program anew.
+    program = Path(__file__).parents[2] / "examples" / "population.py"
+    command = [sys.executable, program, "--fmu", fmu2, "--folder", tmp_path / "knees", "--workers", "2"]
+    command += ["--picture", tmp_path / "population.png"]
+
+    def run(knees):
+        done = subprocess.run([*command, "--knees", str(knees)], capture_output=True, text=True, check=True)
+        return done.stdout
+
+    assert "0 knees are there, 2 to run" in run(2)
+    assert "2 knees are there, 2 to run" in run(4)
+    assert len(list((tmp_path / "knees").glob("*.parquet"))) == 4
+    population = load("population")
+    number, problem = population.run_knee(9, fmu2, str(tmp_path), {"mesh.columns": 3}, population.SPEEDS)
+    assert number == 9 and "mesh.columns" in problem
+    assert (tmp_path / "knee_00009.parquet").exists()
+
+
+def test_stribeck(fmu2, tmp_path):
+    depths = 1e-6 * np.arange(-10.0, 17.0, 2.0)
+    mesh = {"mesh.columns": 60, "mesh.rows": 4}
+    result = load("stribeck").main(fmu2, mesh, depths, picture=tmp_path / "stribeck.png")
+    np.testing.assert_allclose(result["penetration_depth"], depths, atol=1e-12)
+    least = np.argmin(result["friction_coefficient"])
+    assert result["penetration_depth"][least] == pytest.approx(12e-6)
+    assert (result["solid_load"][: least + 1] == 0).all() and (result["solid_load"][least + 1 :] > 0).all()

@@ -45,6 +45,8 @@ fn numbers(o: &Outputs) -> Vec<(String, f64)> {
 
 fn compare(simulation: &mut Simulation, at: Inputs, steps: [f64; 3]) {
     simulation.solve_steady(at).unwrap();
+    // The tangent is that of the last iterate but one: solved again from the solution, that of the solution.
+    simulation.solve_steady(at).unwrap();
     let start = simulation.snapshot();
     let value = simulation.outputs().clone();
     let derivatives = [Input::PenetrationDepth, Input::SlidingSpeed, Input::SlideToRollRatio]
