@@ -16,7 +16,7 @@ impl Cluster {
     ///
     /// The strip is cut into two halves, independent of each other up to the line where they meet. Each is cut into blocks, which
     /// are joined one after the other from the far end towards the middle: what is joined has only one open side. How many
-    /// blocks, how a block is cut further and when to stop cutting is what the estimate of [`Dissection`] finds cheapest.
+    /// blocks, how a block is cut further and when to stop cutting is what the estimate of `Dissection` finds cheapest.
     pub fn strip(columns: usize, rows: usize) -> Self {
         let mut dissection = Dissection { rows, cheapest: HashMap::new() };
         let middle = columns / 2;
