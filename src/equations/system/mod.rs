@@ -1,0 +1,326 @@
+//! The discrete system: two poroelastic layers, the film between them and their contact, as one set of equations.
+
+mod residual;
+mod tangent;
+mod update;
+
+use crate::equations::film::{self, Film, MassRate};
+use crate::equations::layout::{Layout, Quantity};
+use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
+use crate::fem::element::{NODES, POINTS, SIMPSON};
+use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
+use crate::laws::Formulation;
+use crate::laws::contact::mobilised_friction;
+use crate::laws::neo_hookean::NeoHookean;
+use crate::parameters::{Body, Inputs, Mesh, Parameters};
+use crate::solver::linear::{FIXED, Multifrontal};
+
+/// One body: its mesh and its material.
+#[derive(Debug)]
+pub struct Layer {
+    /// The mesh.
+    pub mesh: LayerMesh,
+    /// The material.
+    pub tissue: Tissue,
+    /// 1 above the film, -1 below.
+    pub side: f64,
+}
+
+/// History terms of the time integration; steady has none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rates {
+    /// Factor of the present value in d/dt [1/s].
+    pub rate: f64,
+    /// Rest of dJ/dt at the quadrature points of every element of every body [1/s].
+    pub volume: Vec<Vec<[f64; POINTS]>>,
+    /// Rest of d(r h)/dt at the quadrature points of every interface element [m/s].
+    pub film: Vec<[f64; 3]>,
+}
+
+/// What time derivatives are taken of, at the quadrature points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contents {
+    /// J in every element of every body.
+    pub volume: Vec<Vec<[f64; POINTS]>>,
+    /// Fluid r h of the film in every interface element [m].
+    pub film: Vec<[f64; 3]>,
+}
+
+impl Rates {
+    /// d/dt = (present - before) / step.
+    pub fn backward_euler(step: f64, before: &Contents) -> Self {
+        Self {
+            rate: 1.0 / step,
+            volume: before.volume.iter().map(|body| body.iter().map(|j| j.map(|j| -j / step)).collect()).collect(),
+            film: before.film.iter().map(|m| m.map(|m| -m / step)).collect(),
+        }
+    }
+}
+
+/// The discrete equations of a pair of layers, with the factorisation of their last tangent.
+#[derive(Debug)]
+pub struct System {
+    /// The upper body, and the lower one unless it is the upper one's mirror image.
+    pub layers: Vec<Layer>,
+    /// x of the interface nodes [m].
+    pub stations: Vec<f64>,
+    /// Simpson weights of the interface nodes [m].
+    pub weights: Vec<f64>,
+    /// Distance of the undeformed surfaces at first touch [m].
+    pub touching_gap: Vec<f64>,
+    /// The unknowns.
+    pub layout: Layout,
+    film: Film,
+    parameters: Parameters,
+    contact_stiffness: f64,
+    stress_scale: f64,
+    thickness: f64,
+    /// Height of the levels above the bone, as a share of the thickness.
+    height: Vec<f64>,
+    linear: Multifrontal,
+}
+
+/// Residual at some unknowns, and the contact forces that go with it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Residual {
+    /// Residual of every equation.
+    pub values: Vec<f64>,
+    /// Force with which the bodies press on each other at every station [N/m]; meaningful where the station is active.
+    pub contact_forces: Vec<f64>,
+}
+
+/// Speeds of the two surfaces.
+pub fn surface_speeds(inputs: &Inputs) -> [f64; 2] {
+    let (u, s) = (inputs.sliding_speed, inputs.slide_to_roll_ratio);
+    [0.5 * u * (1.0 + s), 0.5 * u * (1.0 - s)]
+}
+
+/// Half the width of the interface [m].
+pub fn half_width(parameters: &Parameters) -> f64 {
+    parameters.upper.outer_radius.min(parameters.lower.outer_radius) * parameters.sector_half_angle.sin()
+}
+
+/// Traction on the upper body's tissue per unit of contact pressure, positive along -x.
+pub fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> f64 {
+    boundary_friction_with_slopes(parameters, inputs).0
+}
+
+/// Likewise with its derivatives by the two surface speeds.
+fn boundary_friction_with_slopes(parameters: &Parameters, inputs: &Inputs) -> (f64, [f64; 2]) {
+    let p = parameters;
+    if !p.boundary_friction_loads_tissue {
+        return (0.0, [0.0; 2]);
+    }
+    let (m, slopes) = mobilised_friction(p.formulation, surface_speeds(inputs), p.friction_regularisation_speed);
+    (m * p.boundary_friction_coefficient, slopes.map(|s| s * p.boundary_friction_coefficient))
+}
+
+/// Depths of the node levels below the surface of a layer of this thickness [m].
+fn levels_below_surface(mesh: &Mesh, thickness: f64) -> Vec<f64> {
+    quadratic_stations(mesh.rows as usize, |j| thickness * graded(j as f64 / f64::from(mesh.rows), mesh.row_grading))
+}
+
+impl Layer {
+    fn new(parameters: &Parameters, body: &Body, side: f64, stations: &[f64]) -> Self {
+        let consistent = parameters.formulation == Formulation::Consistent;
+        let alpha = body.biot_coefficient;
+        let (isochoric, volumetric) = if consistent { (1.0, 1.0) } else { (alpha, 1.0 - alpha) };
+        let depths = levels_below_surface(&parameters.mesh, body.thickness);
+        Self {
+            mesh: LayerMesh::sector(stations, &depths, body.outer_radius, side, parameters.pressure_order),
+            tissue: Tissue {
+                solid: NeoHookean {
+                    shear_modulus: isochoric * body.shear_modulus,
+                    bulk_modulus: volumetric * body.bulk_modulus,
+                },
+                biot_coefficient: alpha,
+                mobility: body.permeability / parameters.viscosity,
+                fluid_compressibility: parameters.fluid_compressibility,
+                consistent,
+            },
+            side,
+        }
+    }
+
+    /// Modulus of uniaxial strain [Pa].
+    fn aggregate_modulus(&self) -> f64 {
+        self.tissue.solid.bulk_modulus + 4.0 / 3.0 * self.tissue.solid.shear_modulus
+    }
+}
+
+impl System {
+    /// Meshes and numbers a case. `mirrored` solves for the upper body only and takes the lower one as its mirror image.
+    pub fn new(parameters: &Parameters, mirrored: bool) -> Self {
+        let p = parameters;
+        let columns = p.mesh.columns as usize;
+        let half_width = half_width(p);
+        let stations = quadratic_stations(columns, |i| {
+            half_width * graded(2.0 * i as f64 / columns as f64 - 1.0, p.mesh.column_grading)
+        });
+        let mut layers = vec![Layer::new(p, &p.upper, 1.0, &stations)];
+        if !mirrored {
+            layers.push(Layer::new(p, &p.lower, -1.0, &stations));
+        }
+        let levels = layers[0].mesh.levels();
+        let height = |layer: &Layer, i: usize| layer.side * layer.mesh.nodes[i * levels][1];
+        let touching_gap = (0..stations.len())
+            .map(|i| height(&layers[0], i) + layers.last().map_or(0.0, |layer| height(layer, i)))
+            .collect();
+        let mut weights = vec![0.0; stations.len()];
+        for column in 0..columns {
+            let length = stations[2 * column + 2] - stations[2 * column];
+            for (a, share) in SIMPSON.into_iter().enumerate() {
+                weights[2 * column + a] += share * length;
+            }
+        }
+        let meshes: Vec<_> = layers.iter().map(|layer| &layer.mesh).collect();
+        let layout = Layout::new(&meshes);
+
+        let modulus = layers.iter().map(Layer::aggregate_modulus).fold(0.0, f64::max);
+        let thickness = p.upper.thickness.max(p.lower.thickness);
+        let mobility = layers.iter().map(|layer| layer.tissue.mobility).fold(0.0, f64::max);
+        // One micron of displacement goes with this much pressure; rows are scaled to match.
+        let (length, pressure) = (1e-6, 1e-6 * modulus / thickness);
+        let column_scale = layout.quantities.iter().map(|q| if *q == Quantity::Pressure { pressure } else { length });
+        let row_scale = layout.quantities.iter().map(|q| match q {
+            Quantity::Pressure => 1.0 / (mobility * pressure),
+            _ => 1.0 / (modulus * length),
+        });
+        let linear = Multifrontal::new(&layout.cells, &layout.clusters(), row_scale.collect(), column_scale.collect());
+        Self {
+            layers,
+            stations,
+            weights,
+            touching_gap,
+            film: Film {
+                viscosity: p.viscosity,
+                fluid_compressibility: p.fluid_compressibility,
+                pressure_order: p.pressure_order,
+            },
+            parameters: *parameters,
+            contact_stiffness: modulus / thickness,
+            stress_scale: modulus,
+            thickness,
+            height: levels_below_surface(&p.mesh, 1.0).into_iter().map(|depth| 1.0 - depth).collect(),
+            layout,
+            linear,
+        }
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.layout.unknowns()
+    }
+
+    /// Whether only the upper body is solved for.
+    pub fn mirrored(&self) -> bool {
+        self.layers.len() == 1
+    }
+
+    /// Bodies that stand for one another: 2 for a mirrored pair, else 1.
+    fn copies(&self) -> f64 {
+        2.0 / self.layers.len() as f64
+    }
+
+    /// The exact solution without motion and without contact.
+    pub fn rest(&self, penetration_depth: f64) -> Vec<f64> {
+        let mut unknowns = vec![0.0; self.unknowns()];
+        for (gap, touching) in self.layout.gap.iter().zip(&self.touching_gap) {
+            unknowns[*gap as usize] = touching - penetration_depth;
+        }
+        for layer in 0..self.layers.len() {
+            let shift = -0.5 * self.layers[layer].side * penetration_depth;
+            for number in self.layout.vertical[layer].iter().filter(|n| **n != FIXED) {
+                unknowns[*number as usize] = shift;
+            }
+        }
+        unknowns
+    }
+
+    /// Displacements and pressures of an element's nodes.
+    pub fn local(&self, body: usize, element: usize, unknowns: &[f64], penetration_depth: f64) -> Local {
+        self.gather(body, element, unknowns, -0.5 * self.layers[body].side * penetration_depth, 1.0)
+    }
+
+    /// Nodal values: unknowns, the bone's displacement, and the gap of the undeformed surfaces times `offset`.
+    fn gather(&self, body: usize, element: usize, unknowns: &[f64], bone: f64, offset: f64) -> Local {
+        let layout = &self.layout;
+        let layer = &self.layers[body];
+        let nodes = layer.mesh.element_nodes(element);
+        let value = |number: u32| if number == FIXED { 0.0 } else { unknowns[number as usize] };
+        let last = layer.mesh.levels() - 1;
+        let mut local = [0.0; LOCAL];
+        for (a, n) in nodes.into_iter().enumerate() {
+            local[a] = value(layout.horizontal[body][n]);
+            let level = n % (last + 1);
+            local[NODES + a] = if level == 0 {
+                let station = n / (last + 1);
+                let opening = unknowns[layout.gap[station] as usize] - offset * self.touching_gap[station];
+                layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]) + 0.5 * layer.side * opening
+            } else if level == last {
+                bone
+            } else {
+                value(layout.vertical[body][n])
+            };
+            local[2 * NODES + a] = value(layout.pressure[body][n]);
+        }
+        local
+    }
+
+    /// Change of an element's nodal values with a change of the unknowns and of the penetration depth.
+    pub fn local_change(&self, body: usize, element: usize, change: &[f64], penetration_depth: f64) -> Local {
+        self.gather(body, element, change, -0.5 * self.layers[body].side * penetration_depth, 0.0)
+    }
+
+    fn film_local(&self, column: usize, unknowns: &[f64]) -> film::Local {
+        let levels = self.layers[0].mesh.levels();
+        std::array::from_fn(|i| {
+            let station = 2 * column + i % 3;
+            let number = if i < 3 { self.layout.gap[station] } else { self.layout.pressure[0][station * levels] };
+            if number == FIXED { 0.0 } else { unknowns[number as usize] }
+        })
+    }
+
+    fn film_length(&self, column: usize) -> f64 {
+        self.stations[2 * column + 2] - self.stations[2 * column]
+    }
+
+    fn volume_rate(&self, rates: Option<&Rates>, body: usize, element: usize) -> VolumeRate {
+        rates.map_or_else(VolumeRate::default, |r| VolumeRate { rate: r.rate, history: r.volume[body][element] })
+    }
+
+    fn mass_rate(&self, rates: Option<&Rates>, column: usize) -> MassRate {
+        rates.map_or_else(MassRate::default, |r| MassRate { rate: r.rate, history: r.film[column] })
+    }
+
+    /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap (halved, with the body's
+    /// sign) and to the mean.
+    fn scatter(&self, body: usize, element: usize, local: &Local, values: &mut [f64]) {
+        let layout = &self.layout;
+        let layer = &self.layers[body];
+        let rows = layer.mesh.rows;
+        let cell = &layout.cells[layout.cell(body, element)];
+        for (value, number) in local.iter().zip(cell).filter(|(_, n)| **n != FIXED) {
+            values[*number as usize] += value;
+        }
+        if element.is_multiple_of(rows) {
+            for a in 0..3 {
+                let force = local[NODES + a];
+                values[cell[NODES + a] as usize] += (0.5 * layer.side - 1.0) * force;
+                if let Some(mean) = layout.mean.get(2 * (element / rows) + a) {
+                    values[*mean as usize] += force;
+                }
+            }
+        }
+    }
+
+    /// Weight of gaps against contact pressures [Pa/m].
+    pub fn contact_stiffness(&self) -> f64 {
+        self.contact_stiffness
+    }
+
+    /// Entries of the factors, a measure of memory.
+    pub fn factor_entries(&self) -> usize {
+        self.linear.factor_entries()
+    }
+}

@@ -1,0 +1,116 @@
+//! The residual: balances, boundary friction, and the active set of contact.
+
+use super::{Contents, Rates, Residual, System, boundary_friction_with_slopes, surface_speeds};
+use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
+use crate::laws::contact::is_active;
+use crate::parameters::Inputs;
+use crate::solver::linear::FIXED;
+
+impl System {
+    /// Volumes and masses whose rates of change enter the balances.
+    pub fn contents(&self, unknowns: &[f64], inputs: &Inputs) -> Contents {
+        let volume = self.layers.iter().enumerate().map(|(body, layer)| {
+            let element = |element| {
+                let at = self.local(body, element, unknowns, inputs.penetration_depth);
+                std::array::from_fn(|point| Tissue::strain(&layer.mesh, element, point, &at).volume_ratio())
+            };
+            (0..layer.mesh.elements()).map(element).collect()
+        });
+        let film = (0..self.layers[0].mesh.columns).map(|column| self.film.mass(&self.film_local(column, unknowns)));
+        Contents { volume: volume.collect(), film: film.collect() }
+    }
+
+    /// Residual of all equations; contact enters by [`Self::apply_contact`].
+    pub(super) fn raw_residual(
+        &self,
+        unknowns: &[f64],
+        inputs: &Inputs,
+        rates: Option<&Rates>,
+        values: &mut [f64],
+    ) -> Result<(), Inverted> {
+        values.fill(0.0);
+        let speeds = surface_speeds(inputs);
+        for (body, layer) in self.layers.iter().enumerate() {
+            for element in 0..layer.mesh.elements() {
+                let at = self.local(body, element, unknowns, inputs.penetration_depth);
+                let mut local = [0.0; LOCAL];
+                let rate = self.volume_rate(rates, body, element);
+                let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
+                layer.tissue.element(&layer.mesh, element, &at, speeds[body], &rate, terms)?;
+                if element.is_multiple_of(layer.mesh.rows) && layer.tissue.consistent {
+                    let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
+                    tissue::surface_pressure(&layer.mesh, element, layer.side, &at, terms);
+                }
+                self.scatter(body, element, &local, values);
+            }
+        }
+        let levels = self.layers[0].mesh.levels();
+        for column in 0..self.layers[0].mesh.columns {
+            let at = self.film_local(column, unknowns);
+            let terms =
+                self.film.element(self.film_length(column), &at, inputs.sliding_speed, &self.mass_rate(rates, column));
+            for a in 0..3 {
+                let number = self.layout.pressure[0][(2 * column + a) * levels];
+                if number != FIXED {
+                    values[number as usize] += terms.residual[a] / self.copies();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A mirrored pair has no boundary friction on the tissue: it would break the symmetry.
+    pub(super) fn friction(&self, inputs: &Inputs) -> (f64, [f64; 2]) {
+        if self.mirrored() { (0.0, [0.0; 2]) } else { boundary_friction_with_slopes(&self.parameters, inputs) }
+    }
+
+    /// Residual at these unknowns, with the active set renewed from it. Returns whether the set changed.
+    ///
+    /// # Errors
+    /// [`Inverted`] where an element is turned inside out.
+    pub fn residual(
+        &self,
+        unknowns: &[f64],
+        active: &mut [bool],
+        inputs: &Inputs,
+        rates: Option<&Rates>,
+        residual: &mut Residual,
+    ) -> Result<bool, Inverted> {
+        let Residual { values, contact_forces } = residual;
+        values.resize(self.unknowns(), 0.0);
+        contact_forces.resize(self.stations.len(), 0.0);
+        self.raw_residual(unknowns, inputs, rates, values)?;
+        let mut changed = false;
+        for (i, active) in active.iter_mut().enumerate() {
+            let gap = self.layout.gap[i] as usize;
+            contact_forces[i] = self.copies() * values[gap];
+            let pressure = if *active { contact_forces[i] / self.weights[i] } else { 0.0 };
+            // A station whose pressure and gap are both round-off keeps its status.
+            let hysteresis = 1e-11 * self.stress_scale * if *active { 1.0 } else { -1.0 };
+            let now = is_active(pressure + hysteresis, unknowns[gap], self.contact_stiffness);
+            changed |= now != *active;
+            *active = now;
+        }
+        let (share, _) = self.friction(inputs);
+        for i in (0..active.len()).filter(|i| active[*i]) {
+            let gap = self.layout.gap[i] as usize;
+            self.add_friction(i, share * contact_forces[i], values);
+            values[gap] = self.layout.gap_uses[i] * self.contact_diagonal() * unknowns[gap];
+        }
+        Ok(changed)
+    }
+
+    pub(super) fn contact_diagonal(&self) -> f64 {
+        self.stress_scale
+    }
+
+    /// Adds a tangential force at a station, along -x on the upper and +x on the lower body.
+    pub(super) fn add_friction(&self, station: usize, force: f64, values: &mut [f64]) {
+        if force != 0.0 {
+            let node = station * self.layers[0].mesh.levels();
+            for (body, layer) in self.layers.iter().enumerate() {
+                values[self.layout.horizontal[body][node] as usize] += layer.side * force;
+            }
+        }
+    }
+}

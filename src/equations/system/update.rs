@@ -1,0 +1,67 @@
+//! How the unknowns are changed, and how large a change is.
+
+use super::System;
+use crate::equations::layout::Quantity;
+use crate::solver::linear::FIXED;
+
+/// A film thinner than this share of the layers' thickness (0.1 micron for 1 mm) may close within one update.
+const THIN_FILM: f64 = 1e-4;
+
+impl System {
+    /// Compresses the tissue evenly through its thickness by an approach of the bones [m], with the gap as it is.
+    pub fn compress(&self, unknowns: &mut [f64], approach: f64) {
+        for (layer, vertical) in self.layers.iter().zip(&self.layout.vertical) {
+            for numbers in vertical.chunks_exact(self.height.len()) {
+                for (number, height) in numbers.iter().zip(&self.height).filter(|(n, _)| **n != FIXED) {
+                    unknowns[*number as usize] -= 0.5 * layer.side * approach * (1.0 - height);
+                }
+            }
+        }
+    }
+
+    /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes to no less than a tenth
+    /// and opens to no more than three times what it was: its conductance goes with the cube of it, so that a tangent says nothing
+    /// about larger changes. The tissue below follows, less and less towards the bone, so that no element is turned inside out.
+    pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
+        let thin = THIN_FILM * self.thickness;
+        let gaps: Vec<f64> = self.layout.gap.iter().map(|number| unknowns[*number as usize]).collect();
+        unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
+        for (station, before) in gaps.into_iter().enumerate() {
+            let gap = &mut unknowns[self.layout.gap[station] as usize];
+            let smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { 0.1 * before };
+            let limited = gap.min((3.0 * before).max(5.0 * thin)).max(smallest);
+            let correction = limited - *gap;
+            *gap = limited;
+            if correction != 0.0 {
+                for (layer, vertical) in self.layers.iter().zip(&self.layout.vertical) {
+                    let column = &vertical[station * self.height.len()..(station + 1) * self.height.len()];
+                    for (number, height) in column.iter().zip(&self.height).filter(|(n, _)| **n != FIXED) {
+                        unknowns[*number as usize] += 0.5 * layer.side * correction * height;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Size of an update relative to the fields: displacements and pressures to their largest values, gaps each to itself (and to
+    /// `THIN_FILM` where the surfaces all but touch).
+    pub fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
+        // What is below a millionth of the layer's thickness or modulus is no displacement or pressure to speak of.
+        let mut displacement = (1e-6 * self.thickness, 0.0_f64);
+        let mut pressure = (1e-6 * self.stress_scale, 0.0_f64);
+        let mut gap = 0.0_f64;
+        for ((value, change), quantity) in unknowns.iter().zip(update).zip(&self.layout.quantities) {
+            let (value, change) = (value.abs(), change.abs());
+            // `max` would pass over a NaN.
+            if !change.is_finite() {
+                return f64::INFINITY;
+            }
+            match quantity {
+                Quantity::Displacement => displacement = (displacement.0.max(value), displacement.1.max(change)),
+                Quantity::Pressure => pressure = (pressure.0.max(value), pressure.1.max(change)),
+                Quantity::Gap => gap = gap.max(change / (value + THIN_FILM * self.thickness)),
+            }
+        }
+        (displacement.1 / displacement.0).max(pressure.1 / pressure.0).max(gap)
+    }
+}
