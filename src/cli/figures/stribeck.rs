@@ -85,7 +85,7 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
         panel.y.range.1 *= (panel.y.range.1 / panel.y.range.0).powf(0.28);
         Panel { bands: bands.clone(), ..panel }
     };
-    vec![
+    shared_abscissa(vec![
         panel(
             "(a) Friction",
             "[\u{2212}]",
@@ -119,7 +119,7 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
             true,
             vec![curve(&fluid, 1.0, "fluid", BLUE, false), curve(&solid, 1.0, "solid", VERMILION, false)],
         ),
-    ]
+    ])
 }
 
 /// One curve a speed.
@@ -136,12 +136,21 @@ fn many_speeds(table: &Table, speeds: &[f64]) -> Vec<Panel> {
         };
         plain(title, label, last, speeds.iter().enumerate().map(curve).collect())
     };
-    vec![
+    shared_abscissa(vec![
         panel("(a) Friction", "\u{3bc} [\u{2212}]", "friction_coefficient", 1.0, false),
         panel("(b) Least film thickness", "h [\u{b5}m]", "minimum_film_thickness", 1e6, false),
         panel("(c) Largest fluid pressure", "p [kPa]", "maximum_fluid_pressure", 1e-3, true),
         panel("(d) Contact length", "b [mm]", "contact_length", 1e3, true),
-    ]
+    ])
+}
+
+/// The same stretch of the abscissa for all panels, of which only the lower ones have its numbers.
+fn shared_abscissa(mut panels: Vec<Panel>) -> Vec<Panel> {
+    let range = panels.iter().map(|panel| panel.x.range).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    for panel in &mut panels {
+        panel.x.range = range.unwrap_or(panel.x.range);
+    }
+    panels
 }
 
 fn plain(title: &str, label: &str, last: bool, lines: Vec<Line>) -> Panel {
