@@ -243,9 +243,10 @@ impl Solution<'_> {
         for column in 0..layer.mesh.columns {
             let element = column * layer.mesh.rows;
             let mut residual = [0.0; LOCAL];
-            let rate = self
-                .rates
-                .map_or_else(VolumeRate::default, |r| VolumeRate { rate: r.rate, history: r.volume[body][element] });
+            let rate = self.rates.map_or_else(VolumeRate::default, |r| VolumeRate {
+                rate: r.rate,
+                history: r.history.volume[body][element],
+            });
             let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
             let speed = surface_speeds(self.inputs)[body];
             layer.tissue.element(&layer.mesh, element, &self.local(body, element), speed, &rate, terms)?;

@@ -60,7 +60,7 @@
 //! let outputs = contact.outputs();
 //! assert!((outputs.load - 9.2).abs() < 0.1, "{} N/m", outputs.load);
 //! assert!((outputs.minimum_film_thickness - 3.17e-6).abs() < 0.1e-6);
-//! assert!(contact.derivatives(Input::PenetrationDepth).load > 0.0);
+//! assert!(contact.derivatives(Input::PenetrationDepth)?.load > 0.0);
 //! # Ok(())
 //! # }
 //! ```

@@ -2,12 +2,12 @@
 
 use num_dual::Dual64;
 
-use crate::equations::system::System;
+use crate::equations::system::{At, Change, Direction, System};
 use crate::equations::tissue::Tissue;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
 use crate::laws::contact::mobilised_friction;
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::Parameters;
 use crate::solver::linear::FIXED;
 
 /// Number of fixed stations of the profiles.
@@ -42,7 +42,7 @@ impl Regime {
     }
 }
 
-/// Results of one state; and, with the same fields, their derivatives with respect to one input.
+/// Results of one state; and, with the same fields, their derivatives with respect to one input or to time.
 ///
 /// Lengths in m, pressures in Pa (gauge), loads per unit depth in N/m, forces (loads times the width) in N. Every number is
 /// finite in every state.
@@ -84,10 +84,12 @@ pub struct Outputs<T = f64> {
     pub maximum_von_mises_stress: T,
     /// eta U / L [1].
     pub sommerfeld_number: T,
-    /// dL/dd times width [N/m].
-    pub contact_stiffness: T,
     /// Fluid that leaves the bodies into the film, integral of max(V, 0), per unit depth [m^2/s].
     pub fluid_exudation: T,
+    /// The same less what the bodies take in, integral of V, per unit depth [m^2/s].
+    pub net_fluid_exudation: T,
+    /// Penetration depth of these results [m].
+    pub penetration_depth: T,
     /// Lubrication regime.
     pub lubrication_regime: Regime,
     /// Newton iterations of the last solution, summed over its sub-steps.
@@ -123,8 +125,9 @@ impl<T: Copy> Outputs<T> {
             maximum_contact_pressure: f(self.maximum_contact_pressure),
             maximum_von_mises_stress: f(self.maximum_von_mises_stress),
             sommerfeld_number: f(self.sommerfeld_number),
-            contact_stiffness: f(self.contact_stiffness),
             fluid_exudation: f(self.fluid_exudation),
+            net_fluid_exudation: f(self.net_fluid_exudation),
+            penetration_depth: f(self.penetration_depth),
             lubrication_regime: self.lubrication_regime,
             newton_iterations: self.newton_iterations,
             film_thickness: all(&self.film_thickness),
@@ -148,18 +151,8 @@ pub struct Solved<'a> {
     pub system: &'a System,
     /// The case.
     pub parameters: &'a Parameters,
-    /// The inputs.
-    pub inputs: &'a Inputs,
-    /// The unknowns.
-    pub unknowns: &'a [f64],
-    /// Stations in contact.
-    pub active: &'a [bool],
-    /// Force of contact at each station [N/m].
-    pub contact_forces: &'a [f64],
-    /// Derivatives of the unknowns by the three inputs, one after the other.
-    pub sensitivities: &'a [f64],
-    /// Derivatives of the contact forces by the three inputs.
-    pub contact_force_sensitivities: &'a [Vec<f64>],
+    /// The solution.
+    pub at: At<'a>,
 }
 
 /// The fixed stations of the profiles for an interface of this half width [m].
@@ -169,35 +162,36 @@ pub fn profile_stations(half_width: f64) -> Vec<f64> {
 }
 
 impl Solved<'_> {
-    /// Results, and their derivatives by penetration depth, sliding speed and slide-to-roll ratio.
-    ///
-    /// Derivatives are those of the discrete solution: the unknowns change along the tangent of the converged state, and the
-    /// formulas below are differentiated by dual numbers.
-    pub fn outputs(&self) -> (Outputs, [Outputs; 3]) {
-        let von_mises = self.von_mises();
-        let along = [0, 1, 2].map(|input| self.along(input, von_mises));
-        let value = along[0].map(|d| d.re);
-        let stiffness = along[0].load.eps * self.parameters.width;
-        let derivatives = along.map(|o| o.map(|d| d.eps));
-        (Outputs { contact_stiffness: stiffness, ..value }, derivatives)
+    /// Results.
+    pub fn outputs(&self) -> Outputs {
+        let none = Change {
+            unknowns: vec![0.0; self.system.unknowns()],
+            inputs: Direction::default(),
+            history: None,
+            contact_forces: vec![0.0; self.at.contact_forces.len()],
+        };
+        self.along(&none).map(|dual| dual.re)
     }
 
-    /// Results with their derivative by one input.
-    fn along(&self, input: usize, von_mises: [f64; 4]) -> Outputs<Dual64> {
+    /// Derivatives of the results along a change of the solution: the formulas below, differentiated by dual numbers.
+    pub fn derivatives(&self, change: &Change) -> Outputs {
+        self.along(change).map(|dual| dual.eps)
+    }
+
+    /// Results with their derivatives.
+    fn along(&self, change: &Change) -> Outputs<Dual64> {
         let p = self.parameters;
         let system = self.system;
-        let n = system.unknowns();
-        let change = &self.sensitivities[input * n..(input + 1) * n];
-        let unit = |k: usize, value: f64| Dual64::new(value, if k == input { 1.0 } else { 0.0 });
-        let depth = unit(0, self.inputs.penetration_depth);
-        let speed = unit(1, self.inputs.sliding_speed);
-        let ratio = unit(2, self.inputs.slide_to_roll_ratio);
+        let inputs = self.at.inputs;
+        let depth = Dual64::new(inputs.penetration_depth, change.inputs.penetration_depth);
+        let speed = Dual64::new(inputs.sliding_speed, change.inputs.sliding_speed);
+        let ratio = Dual64::new(inputs.slide_to_roll_ratio, change.inputs.slide_to_roll_ratio);
         let speeds = [speed * (ratio + 1.0) * 0.5, speed * (-ratio + 1.0) * 0.5];
         let difference = speeds[0] - speeds[1];
 
         let dual = |number: u32| match number {
             FIXED => Dual64::from(0.0),
-            _ => Dual64::new(self.unknowns[number as usize], change[number as usize]),
+            _ => Dual64::new(self.at.unknowns[number as usize], change.unknowns[number as usize]),
         };
         let gap: Vec<_> = system.layout.gap.iter().map(|number| dual(*number)).collect();
         let levels = system.layers[0].mesh.levels();
@@ -208,8 +202,8 @@ impl Solved<'_> {
                 pressure[i] = (pressure[i - 1] + pressure[i + 1]) * 0.5;
             }
         }
-        let force = |i: usize| match self.active[i] {
-            true => Dual64::new(self.contact_forces[i], self.contact_force_sensitivities[input][i]),
+        let force = |i: usize| match self.at.active[i] {
+            true => Dual64::new(self.at.contact_forces[i], change.contact_forces[i]),
             false => Dual64::from(0.0),
         };
         let contact_pressure: Vec<_> = system.weights.iter().enumerate().map(|(i, w)| force(i) / *w).collect();
@@ -235,9 +229,9 @@ impl Solved<'_> {
         let boundary = solid_load * mobilised * p.boundary_friction_coefficient;
         let friction = [rolling + sliding + boundary, -rolling + sliding + boundary];
 
-        let touching = self.active.contains(&true);
+        let touching = self.at.active.contains(&true);
         let (least, position) = extremum(&gap, &system.stations, -1.0);
-        let (least, position) = match self.active.iter().position(|a| *a) {
+        let (least, position) = match self.at.active.iter().position(|a| *a) {
             Some(first) => (Dual64::from(0.0), Dual64::from(system.stations[first])),
             // At rest and at first touch round-off decides the sign.
             None => (if least.re > 0.0 { least } else { Dual64::from(0.0) }, position),
@@ -250,7 +244,7 @@ impl Solved<'_> {
                 let opening = gap[outside] * system.contact_stiffness();
                 contact_pressure[inside] / (contact_pressure[inside] + opening) * step
             };
-            contact_length += match (self.active[i], self.active[i + 1]) {
+            contact_length += match (self.at.active[i], self.at.active[i + 1]) {
                 (true, true) => Dual64::from(step),
                 (true, false) => edge(i, i + 1),
                 (false, true) => edge(i + 1, i),
@@ -258,9 +252,8 @@ impl Solved<'_> {
             };
         }
 
-        let outflow = system.film_outflow(self.unknowns, self.inputs, None, change, speed.eps);
-        let exudation =
-            outflow[1..outflow.len() - 1].iter().filter(|v| v[0] > 0.0).map(|v| Dual64::new(v[0], v[1])).sum();
+        let outflow = system.film_outflow(self.at, change);
+        let outflow = outflow[1..outflow.len() - 1].iter().map(|v| Dual64::new(v[0], v[1]));
 
         let regime = match (touching, depth.re > 0.0) {
             (true, _) if fluid_load.re >= 10.0 * solid_load.re => Regime::BoundaryContact,
@@ -281,7 +274,7 @@ impl Solved<'_> {
             fluid_load_support: ratio_of(fluid_load, load),
             minimum_film_thickness: least,
             minimum_film_position: position,
-            central_film_thickness: if self.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
+            central_film_thickness: if self.at.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
             contact_length,
             maximum_fluid_pressure: extremum(&pressure, &system.stations, 1.0).0,
             minimum_fluid_pressure: extremum(&pressure, &system.stations, -1.0).0,
@@ -289,10 +282,11 @@ impl Solved<'_> {
                 .iter()
                 .copied()
                 .fold(Dual64::from(0.0), |a, b| if b.re > a.re { b } else { a }),
-            maximum_von_mises_stress: Dual64::new(von_mises[0], von_mises[1 + input]),
+            maximum_von_mises_stress: self.von_mises(change),
             sommerfeld_number: ratio_of(speed * p.viscosity, load),
-            contact_stiffness: Dual64::from(0.0),
-            fluid_exudation: exudation,
+            fluid_exudation: outflow.clone().filter(|v| v.re > 0.0).sum(),
+            net_fluid_exudation: outflow.sum(),
+            penetration_depth: depth,
             lubrication_regime: regime,
             newton_iterations: 0,
             // Between nodes in contact the interpolated gap may dip below zero, where the film is closed.
@@ -330,14 +324,14 @@ impl Solved<'_> {
             .collect()
     }
 
-    /// Largest von Mises stress at the quadrature points, and its derivatives by the three inputs.
-    fn von_mises(&self) -> [f64; 4] {
-        let system = self.system;
-        let depth = self.inputs.penetration_depth;
+    /// Largest von Mises stress at the quadrature points.
+    fn von_mises(&self, change: &Change) -> Dual64 {
+        let (system, unknowns) = (self.system, self.at.unknowns);
+        let depth = self.at.inputs.penetration_depth;
         let mut largest = (0.0, 0, 0, 0);
         for (body, layer) in system.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
-                let at = system.local(body, element, self.unknowns, depth);
+                let at = system.local(body, element, unknowns, depth);
                 for point in 0..POINTS {
                     let stress = layer.tissue.solid.von_mises(&Tissue::strain(&layer.mesh, element, point, &at));
                     if stress > largest.0 {
@@ -348,16 +342,10 @@ impl Solved<'_> {
         }
         let (stress, body, element, point) = largest;
         let mesh = &system.layers[body].mesh;
-        let strain = Tissue::strain(mesh, element, point, &system.local(body, element, self.unknowns, depth));
-        let n = system.unknowns();
-        let mut result = [stress, 0.0, 0.0, 0.0];
-        for k in 0..3 {
-            let change = &self.sensitivities[k * n..(k + 1) * n];
-            let local = system.local_change(body, element, change, if k == 0 { 1.0 } else { 0.0 });
-            let direction = Tissue::strain(mesh, element, point, &local).gradient;
-            result[1 + k] = system.layers[body].tissue.solid.von_mises_derivative(&strain, &direction);
-        }
-        result
+        let strain = Tissue::strain(mesh, element, point, &system.local(body, element, unknowns, depth));
+        let local = system.local_change(body, element, &change.unknowns, change.inputs.penetration_depth);
+        let direction = Tissue::strain(mesh, element, point, &local).gradient;
+        Dual64::new(stress, system.layers[body].tissue.solid.von_mises_derivative(&strain, &direction))
     }
 }
 

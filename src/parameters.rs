@@ -37,6 +37,24 @@ pub struct Mesh {
     pub row_grading: f64,
 }
 
+/// What time does to the layers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum TimeIntegration {
+    /// Every state is the steady one of its inputs.
+    QuasiSteady,
+    /// Squeeze and drainage take their time.
+    Transient,
+}
+
+/// Which of depth and load is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Control {
+    /// The penetration depth is given, and the load follows.
+    Depth,
+    /// The load is given, and the penetration depth follows.
+    Load,
+}
+
 /// All parameters of a case.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Parameters {
@@ -70,6 +88,14 @@ pub struct Parameters {
     pub pressure_order: i32,
     /// Newton stops when an update is below this, relative to the fields.
     pub tolerance: f64,
+    /// What time does to the layers.
+    pub time_integration: TimeIntegration,
+    /// Which of depth and load is given.
+    pub control: Control,
+    /// Allowed error of one internal step in time, relative to the fields.
+    pub relative_tolerance: f64,
+    /// Longest internal step in time [s].
+    pub maximum_internal_step: f64,
 }
 
 impl Default for Parameters {
@@ -99,11 +125,15 @@ impl Default for Parameters {
             mesh: Mesh { columns: 120, rows: 8, column_grading: 2.5, row_grading: 2.0 },
             pressure_order: 2,
             tolerance: 1e-6,
+            time_integration: TimeIntegration::QuasiSteady,
+            control: Control::Depth,
+            relative_tolerance: 1e-3,
+            maximum_internal_step: 1e3,
         }
     }
 }
 
-/// What the two layers are made to do.
+/// What the two layers are made to do. Also the rates of change of all this, per second.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Inputs {
     /// Approach of the bones past first touch of the undeformed surfaces [m]; positive presses the layers together.
@@ -112,12 +142,49 @@ pub struct Inputs {
     pub sliding_speed: f64,
     /// (upper - lower surface speed) / sliding speed [1].
     pub slide_to_roll_ratio: f64,
+    /// Rate of change of the penetration depth [m/s].
+    pub approach_speed: f64,
+    /// Load per unit depth under [`Control::Load`] [N/m].
+    pub applied_load: f64,
+}
+
+impl Inputs {
+    /// Nothing at all; as rates, constant inputs.
+    pub const NONE: Self = Self {
+        penetration_depth: 0.0,
+        sliding_speed: 0.0,
+        slide_to_roll_ratio: 0.0,
+        approach_speed: 0.0,
+        applied_load: 0.0,
+    };
+
+    /// Component by component.
+    pub fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            penetration_depth: f(self.penetration_depth, other.penetration_depth),
+            sliding_speed: f(self.sliding_speed, other.sliding_speed),
+            slide_to_roll_ratio: f(self.slide_to_roll_ratio, other.slide_to_roll_ratio),
+            approach_speed: f(self.approach_speed, other.approach_speed),
+            applied_load: f(self.applied_load, other.applied_load),
+        }
+    }
+
+    /// Names and values.
+    pub fn named(&self) -> [(&'static str, f64); 5] {
+        [
+            ("penetration_depth", self.penetration_depth),
+            ("sliding_speed", self.sliding_speed),
+            ("slide_to_roll_ratio", self.slide_to_roll_ratio),
+            ("approach_speed", self.approach_speed),
+            ("applied_load", self.applied_load),
+        ]
+    }
 }
 
 impl Default for Inputs {
-    /// Ten micron of clearance at the paper's speed.
+    /// Ten micron of clearance at the paper's speed; a load at which the paper's layers have a full film.
     fn default() -> Self {
-        Self { penetration_depth: -10e-6, sliding_speed: 0.2, slide_to_roll_ratio: 0.0 }
+        Self { penetration_depth: -10e-6, sliding_speed: 0.2, applied_load: 50.0, ..Self::NONE }
     }
 }
 
@@ -344,7 +411,7 @@ const fn integer(
     Parameter { name, unit: Unit::One, description, kind: Kind::Integer { minimum, maximum, access } }
 }
 
-static COMMON_ROWS: [Parameter; 16] = [
+static COMMON_ROWS: [Parameter; 20] = [
     real(
         "sector_half_angle",
         Unit::Radian,
@@ -446,13 +513,64 @@ static COMMON_ROWS: [Parameter; 16] = [
         |p| &mut p.tolerance,
         "Newton's method stops when its update, relative to the fields, is below this",
     ),
+    Parameter {
+        name: "time_integration",
+        unit: Unit::One,
+        description: "What time does to the layers",
+        kind: Kind::Choice {
+            items: &[
+                ("quasi_steady", "Every state is the steady one of its inputs"),
+                (
+                    "transient",
+                    "Film is squeezed out and tissue drains in time, starting from the steady state of the first inputs",
+                ),
+            ],
+            get: |p| match p.time_integration {
+                TimeIntegration::QuasiSteady => 0,
+                TimeIntegration::Transient => 1,
+            },
+            set: |p, index| {
+                p.time_integration = if index == 0 { TimeIntegration::QuasiSteady } else { TimeIntegration::Transient };
+            },
+        },
+    },
+    Parameter {
+        name: "control",
+        unit: Unit::One,
+        description: "Which of depth and load is given",
+        kind: Kind::Choice {
+            items: &[
+                ("depth", "penetration_depth and approach_speed are given, and the load follows"),
+                ("load", "applied_load is given, and the depth follows: penetration_depth_result"),
+            ],
+            get: |p| match p.control {
+                Control::Depth => 0,
+                Control::Load => 1,
+            },
+            set: |p, index| p.control = if index == 0 { Control::Depth } else { Control::Load },
+        },
+    },
+    real(
+        "relative_tolerance",
+        Unit::One,
+        [1e-6, 1e-1, 1e-3],
+        |p| &mut p.relative_tolerance,
+        "Allowed error of one internal step in time, relative to the fields (transient only)",
+    ),
+    real(
+        "maximum_internal_step",
+        Unit::Second,
+        [1e-9, 1e6, 1.0],
+        |p| &mut p.maximum_internal_step,
+        "Longest internal step in time (transient only)",
+    ),
 ];
 
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 28] = {
-    let mut rows = [&BODY_ROWS[0]; 28];
+pub static PARAMETERS: [&Parameter; 32] = {
+    let mut rows = [&BODY_ROWS[0]; 32];
     let mut i = 0;
-    while i < 28 {
+    while i < 32 {
         rows[i] = if i < 12 { &BODY_ROWS[i] } else { &COMMON_ROWS[i - 12] };
         i += 1;
     }

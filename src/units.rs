@@ -16,6 +16,7 @@ pub enum Unit {
     Newton,
     NewtonPerMetre,
     SquareMetrePerSecond,
+    Second,
 }
 
 /// A unit as people read it: `value_shown = factor * value_in_SI`.
@@ -43,6 +44,7 @@ impl Unit {
             Self::Newton => "N",
             Self::NewtonPerMetre => "N/m",
             Self::SquareMetrePerSecond => "m2/s",
+            Self::Second => "s",
         }
     }
 
@@ -61,6 +63,7 @@ impl Unit {
             Self::Newton => (1, 1, -2, 0),
             Self::NewtonPerMetre => (1, 0, -2, 0),
             Self::SquareMetrePerSecond => (0, 2, -1, 0),
+            Self::Second => (0, 0, 1, 0),
         }
     }
 

@@ -31,8 +31,8 @@ pub enum Source {
     Parameter(&'static Parameter),
     /// A continuous result.
     Result(fn(&Outputs) -> f64),
-    /// A continuous result whose derivative with respect to the inputs is not known: it is a derivative itself.
-    Underivable(fn(&Outputs) -> f64),
+    /// [`Simulation::contact_stiffness`]: found only where it is asked for, and a derivative itself.
+    Stiffness,
     /// Where profile station `.0` is.
     Position(usize),
     /// The value of a profile at station `.1`.
@@ -79,16 +79,29 @@ pub struct View<'a> {
     pub inputs: &'a Inputs,
     /// The results of the last solution.
     pub outputs: &'a Outputs,
+    /// The contact stiffness [N/m].
+    pub contact_stiffness: f64,
     /// The profile stations.
     pub position: &'a [f64],
 }
 
-impl<'a> From<&'a Simulation> for View<'a> {
-    fn from(simulation: &'a Simulation) -> Self {
+impl<'a> View<'a> {
+    /// Everything of a simulation, the contact stiffness included.
+    ///
+    /// # Errors
+    /// [`Error::State`] where nothing was solved yet.
+    pub fn new(simulation: &'a mut Simulation) -> Result<Self, Error> {
+        let contact_stiffness = simulation.contact_stiffness()?;
+        Ok(Self { contact_stiffness, ..Self::without_stiffness(simulation) })
+    }
+
+    /// With a contact stiffness of zero.
+    pub fn without_stiffness(simulation: &'a Simulation) -> Self {
         Self {
             parameters: simulation.parameters(),
             inputs: simulation.inputs(),
             outputs: simulation.outputs(),
+            contact_stiffness: 0.0,
             position: simulation.position(),
         }
     }
@@ -100,12 +113,19 @@ impl Variable {
         match self.source {
             Source::Input(row) => Value::Real(row.get(from.inputs)),
             Source::Parameter(row) => row.get(from.parameters),
-            Source::Result(get) | Source::Underivable(get) => Value::Real(get(from.outputs)),
+            Source::Result(get) => Value::Real(get(from.outputs)),
+            Source::Stiffness => Value::Real(from.contact_stiffness),
             Source::Position(station) => Value::Real(from.position.get(station).copied().unwrap_or(0.0)),
             Source::Profile(get, station) => Value::Real(get(from.outputs).get(station).copied().unwrap_or(0.0)),
             Source::Regime => Value::Text(from.outputs.lubrication_regime.name().into()),
             Source::Iterations => Value::Integer(i64::from(from.outputs.newton_iterations)),
         }
+    }
+
+    /// The value of an input or a parameter, where there is nothing else yet.
+    pub fn given(&self, parameters: &Parameters, inputs: &Inputs) -> Value {
+        let outputs = &Outputs::default();
+        self.get(&View { parameters, inputs, outputs, contact_stiffness: 0.0, position: &[] })
     }
 
     /// Sets an input or a parameter, or says what would have been allowed. On an error nothing changes.
@@ -214,6 +234,11 @@ impl InputRow {
         let mut copy = *inputs;
         *(self.access)(&mut copy)
     }
+
+    /// Sets the value, or as a rate its rate.
+    pub fn put(&self, inputs: &mut Inputs, value: f64) {
+        *(self.access)(inputs) = value;
+    }
 }
 
 /// The variable with this name.
@@ -268,7 +293,7 @@ fn edit_distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-static INPUTS: [(&str, Unit, f64, InputRow, &str); 3] = [
+static INPUTS: [(&str, Unit, f64, InputRow, &str); 5] = [
     (
         "penetration_depth",
         Unit::Metre,
@@ -301,12 +326,26 @@ static INPUTS: [(&str, Unit, f64, InputRow, &str); 3] = [
         },
         "(U1 - U2)/(U1 + U2): 0 where both surfaces move at the same speed, 1 where only the upper one moves",
     ),
+    (
+        "approach_speed",
+        Unit::MetrePerSecond,
+        1e-4,
+        InputRow { input: Input::ApproachSpeed, minimum: -10.0, maximum: 10.0, access: |i| &mut i.approach_speed },
+        "Rate of penetration_depth during a step, unless that input has a derivative of its own; positive closes",
+    ),
+    (
+        "applied_load",
+        Unit::NewtonPerMetre,
+        1e3,
+        InputRow { input: Input::AppliedLoad, minimum: -1e9, maximum: 1e9, access: |i| &mut i.applied_load },
+        "Load per unit depth that presses the bodies together; used where control is load",
+    ),
 ];
 
 type ResultRow = (&'static str, Unit, f64, Source, &'static str);
 
 #[rustfmt::skip]
-static RESULTS: [ResultRow; 22] = [
+static RESULTS: [ResultRow; 24] = [
     ("load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.load), "Load per unit depth, fluid and solid together"),
     ("fluid_load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.fluid_load), "Load per unit depth that fluid pressure carries"),
     ("solid_load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.solid_load), "Load per unit depth that solid contact carries"),
@@ -325,8 +364,10 @@ static RESULTS: [ResultRow; 22] = [
     ("maximum_contact_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_contact_pressure), "Largest pressure of solid on solid"),
     ("maximum_von_mises_stress", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_von_mises_stress), "Largest von Mises stress of the tissue's solid part"),
     ("sommerfeld_number", Unit::One, 1e-7, Source::Result(|o| o.sommerfeld_number), "Viscosity times sliding speed over load per unit depth: abscissa of the Stribeck curve"),
-    ("contact_stiffness", Unit::NewtonPerMetre, 1e8, Source::Underivable(|o| o.contact_stiffness), "Rate of change of the normal force with penetration depth"),
+    ("contact_stiffness", Unit::NewtonPerMetre, 1e8, Source::Stiffness, "Rate of change of the normal force with penetration depth"),
     ("fluid_exudation", Unit::SquareMetrePerSecond, 1e-6, Source::Result(|o| o.fluid_exudation), "Fluid that leaves the tissue into the film, per unit depth"),
+    ("net_fluid_exudation", Unit::SquareMetrePerSecond, 1e-6, Source::Result(|o| o.net_fluid_exudation), "Fluid that leaves the tissue into the film less what it takes in, per unit depth"),
+    ("penetration_depth_result", Unit::Metre, 1e-5, Source::Result(|o| o.penetration_depth), "Penetration depth of these results; where control is load, the depth at which the load is carried"),
     ("lubrication_regime", Unit::One, 1.0, Source::Regime, "Lubrication regime"),
     ("newton_iterations", Unit::One, 1.0, Source::Iterations, "Newton iterations of the last solution, all its sub-steps together"),
 ];

@@ -87,7 +87,7 @@ fn json_has_the_names_of_the_variables_and_finite_numbers() {
         assert_eq!(stations.len(), 101, "{name}");
         assert!(stations.iter().all(serde_json::Value::is_number), "{name}");
     }
-    assert_eq!(object.len(), 3 + variables::scalar_outputs().count() + 4);
+    assert_eq!(object.len(), 5 + variables::scalar_outputs().count() + 4);
     assert_eq!(object["penetration_depth"].as_f64(), Some(-5e-6));
 }
 

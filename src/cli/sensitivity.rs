@@ -109,13 +109,7 @@ fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
 /// nothing changes.
 fn changed(case: &Case, name: &str, change: f64) -> Result<Option<(Case, f64)>, Failure> {
     let variable = variables::find(&name.replace("both.", "upper."))?;
-    let view = variables::View {
-        parameters: &case.parameters,
-        inputs: &case.inputs,
-        outputs: &Outputs::default(),
-        position: &[],
-    };
-    let Value::Real(value) = variable.get(&view) else { return Ok(None) };
+    let Value::Real(value) = variable.given(&case.parameters, &case.inputs) else { return Ok(None) };
     let (least, most) = variable.range().unwrap_or((f64::MIN, f64::MAX));
     let target = (value * (1.0 + change)).clamp(least, most);
     if target == value {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use cartilage_contact::io::case::Case;
-use cartilage_contact::parameters::Value;
+use cartilage_contact::parameters::{Control, Value};
 use cartilage_contact::simulation::Simulation;
 use cartilage_contact::variables::{self, VARIABLES, Variable, View};
 
@@ -38,6 +38,10 @@ pub struct Arguments {
     #[arg(long, value_name = "RATIO", allow_hyphen_values = true)]
     slide_to_roll_ratio: Option<f64>,
 
+    /// Load per unit depth [N/m]: finds the depth that carries it
+    #[arg(long, value_name = "NEWTONS_PER_METRE", conflicts_with = "penetration_depth")]
+    applied_load: Option<f64>,
+
     /// Print one JSON object: SI values under the names of the FMU's variables, profiles as arrays
     #[arg(long)]
     json: bool,
@@ -48,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let case = case(arguments)?;
     let mut simulation = Simulation::new(&case.parameters)?;
     simulation.solve_steady(case.inputs)?;
-    print(&if arguments.json { json(&simulation)? } else { table(&simulation) })
+    print(&if arguments.json { json(&mut simulation)? } else { table(&mut simulation)? })
 }
 
 /// The case, then the flags of this command.
@@ -58,10 +62,14 @@ fn case(arguments: &Arguments) -> Result<Case, Failure> {
         ("penetration_depth", arguments.penetration_depth),
         ("sliding_speed", arguments.sliding_speed),
         ("slide_to_roll_ratio", arguments.slide_to_roll_ratio),
+        ("applied_load", arguments.applied_load),
     ] {
         if let Some(value) = value {
             case.set(name, &Value::Real(value))?;
         }
+    }
+    if arguments.applied_load.is_some() {
+        case.parameters.control = Control::Load;
     }
     Ok(case)
 }
@@ -72,8 +80,8 @@ fn printed() -> impl Iterator<Item = &'static Variable> {
     inputs.chain(variables::scalar_outputs())
 }
 
-fn json(simulation: &Simulation) -> Result<String, Failure> {
-    let view = View::from(simulation);
+fn json(simulation: &mut Simulation) -> Result<String, Failure> {
+    let view = View::new(simulation)?;
     let mut object = serde_json::Map::new();
     for variable in printed() {
         object.insert(variable.name.clone(), json_value(variable.get(&view)));
@@ -99,15 +107,15 @@ fn json_value(value: Value) -> serde_json::Value {
     }
 }
 
-fn table(simulation: &Simulation) -> String {
-    let view = View::from(simulation);
+fn table(simulation: &mut Simulation) -> Result<String, Failure> {
+    let view = View::new(simulation)?;
     let mut text = String::new();
     for variable in printed() {
         let (value, unit) = format::shown(variable, &variable.get(&view));
         let line = format!("{:28}{value:>16} {unit:6} {}", variable.name, variable.description);
         let _ = writeln!(text, "{}", line.trim_end());
     }
-    text
+    Ok(text)
 }
 
 /// Every variable that can be set, with unit, default and range.

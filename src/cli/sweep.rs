@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use cartilage_contact::error::Error;
-use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::parameters::{Control, Inputs, Parameters};
 use cartilage_contact::simulation::Simulation;
 
 /// Fewer points than this are not shared out: a state far from the last one costs as much as several nearby.
@@ -19,8 +19,11 @@ pub fn solve(
     parameters: &Parameters,
     points: &[Inputs],
     threads: usize,
-    done: &(dyn Fn(usize, Result<&Simulation, Error>) + Sync),
+    done: &(dyn Fn(usize, Result<&mut Simulation, Error>) + Sync),
 ) -> Result<(), Error> {
+    if parameters.control == Control::Load {
+        return Err(Error::value("control", "load", "\"depth\": a sweep goes from depth to depth"));
+    }
     let threads = threads.clamp(1, points.len().div_ceil(SMALLEST_SHARE).max(1));
     let share = points.len().div_ceil(threads);
     let shares: Vec<_> =
@@ -38,7 +41,7 @@ pub fn solve(
                     let parting = point.penetration_depth < simulation.inputs().penetration_depth;
                     let result = if parting { simulation.restore(&rest) } else { Ok(()) };
                     let result = result.and_then(|()| simulation.solve_steady(point));
-                    done(index, result.map(|()| &simulation));
+                    done(index, result.map(|()| &mut simulation));
                 }
             });
         }

@@ -54,6 +54,30 @@ impl Film {
         })
     }
 
+    /// How [`Film::mass`] changes with gaps and pressures.
+    pub fn mass_change(&self, at: &Local, change: &Local) -> [f64; 3] {
+        GAUSS.map(|s| {
+            let sum = |f: [f64; 3], v: &[f64]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
+            let value = pressure(self.pressure_order, s);
+            let gap = sum(quadratic(s), &at[..3]);
+            let open = if gap > 0.0 { 1.0 } else { 0.0 };
+            let density = (self.fluid_compressibility * sum(value, &at[3..])).exp();
+            let denser = self.fluid_compressibility * sum(value, &change[3..]);
+            open * density * (sum(quadratic(s), &change[..3]) + gap * denser)
+        })
+    }
+
+    /// Residual of the three pressure equations for d(r h)/dt alone, given at the quadrature points [m/s].
+    pub fn storage(&self, length: f64, rate: &[f64; 3]) -> [f64; 3] {
+        let mut residual = [0.0; 3];
+        for ((s, w), rate) in GAUSS.into_iter().zip(GAUSS_WEIGHTS).zip(rate) {
+            for (r, value) in residual.iter_mut().zip(pressure(self.pressure_order, s)) {
+                *r += 0.5 * length * w * rate * value;
+            }
+        }
+        residual
+    }
+
     /// The terms of an element of this length [m].
     pub fn element(&self, length: f64, at: &Local, sliding_speed: f64, mass_rate: &MassRate) -> Terms {
         let mut terms = Terms::default();

@@ -238,6 +238,20 @@ impl Tissue {
         Ok(())
     }
 
+    /// Residual of an element for dJ/dt alone, given at its quadrature points [1/s].
+    pub fn storage(&self, mesh: &LayerMesh, element: usize, at: &Local, rate: &[f64; POINTS]) -> Local {
+        let mut residual = [0.0; LOCAL];
+        for (q, (point, rate)) in mesh.points(element).iter().zip(rate).enumerate() {
+            let shape = &mesh.pressure_shape[q];
+            let density = (self.fluid_compressibility * dot(shape, &at[2 * NODES..])).exp();
+            let factor = point.weight * density * self.biot_coefficient * rate;
+            for (r, shape) in residual[2 * NODES..].iter_mut().zip(shape) {
+                *r += factor * shape;
+            }
+        }
+        residual
+    }
+
     /// Displacement gradient at a quadrature point.
     pub fn strain(mesh: &LayerMesh, element: usize, point: usize, at: &Local) -> Strain {
         let [gx, gy] = &mesh.points(element)[point].gradients;

@@ -2,11 +2,8 @@
 
 use crate::fmi::instance::{Answer, Instance, refuse};
 use crate::fmi::phase::Call;
-use crate::simulation::Input;
+use crate::simulation::{Input, Simulation};
 use crate::variables::{Source, Variable};
-
-/// The inputs, in the order of [`Instance`]'s rates.
-const INPUTS: [Input; 3] = [Input::PenetrationDepth, Input::SlidingSpeed, Input::SlideToRollRatio];
 
 impl Instance {
     /// fmi2SetRealInputDerivatives: rates of the inputs during the next step.
@@ -15,21 +12,22 @@ impl Instance {
         let mut rates = self.settings.input_rates;
         for ((element, order), value) in self.standard.elements(references)?.into_iter().zip(orders).zip(values) {
             let variable = element.row()?;
-            let input = as_input(variable)?;
+            let Source::Input(row) = variable.source else { return refuse(no_input(variable)) };
             if *order != 1 {
                 return refuse(format!("order {order} of {} is not allowed: 1", variable.name));
             }
             if !value.is_finite() {
                 return refuse(format!("derivative {value} of {} is not allowed: a finite number", variable.name));
             }
-            rates[input as usize] = *value;
+            row.put(&mut rates, *value);
         }
         self.settings.input_rates = rates;
         Ok(())
     }
 
-    /// fmi2GetRealOutputDerivatives and fmi3GetOutputDerivatives, with the rates of the inputs during the last step.
-    /// Without fmi2SetRealInputDerivatives the inputs are constant, and so are the outputs of a quasi-steady model.
+    /// fmi2GetRealOutputDerivatives and fmi3GetOutputDerivatives, at the end of the last step, with the inputs going on at their
+    /// rates. Without fmi2SetRealInputDerivatives and approach speed the inputs are constant, and so are the outputs of a
+    /// quasi-steady model.
     pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Answer<()> {
         self.check(Call::GetRealOutputDerivatives)?;
         let mut found = Vec::with_capacity(values.len());
@@ -38,7 +36,8 @@ impl Instance {
                 if *order < 1 {
                     return refuse(format!("order {order} of {} is not allowed: 1 or more", element.name()));
                 }
-                let rate = self.rate(element.row()?, &self.settings.last_rates)?;
+                let variable = element.row()?;
+                let rate = finite(variable, variable.derivative(self.solved()?.rates()?))?;
                 // Above the highest order there is, the standard asks for 0.
                 found.push(if *order == 1 { rate } else { 0.0 });
             }
@@ -55,7 +54,7 @@ impl Instance {
         values: &mut [f64],
     ) -> Answer<()> {
         self.check(Call::GetDirectionalDerivative)?;
-        let mut rates = [0.0; 3];
+        let mut rates = [0.0; Input::ALL.len()];
         for (variable, seed) in self.seeded(knowns, seed)? {
             rates[as_input(variable)? as usize] += seed;
         }
@@ -79,7 +78,7 @@ impl Instance {
         self.solve_if_needed()?;
         let mut found = Vec::with_capacity(values.len());
         for element in self.standard.elements(knowns)? {
-            let mut rates = [0.0; 3];
+            let mut rates = [0.0; Input::ALL.len()];
             rates[as_input(element.row()?)? as usize] = 1.0;
             let slopes = unknowns.iter().map(|(variable, seed)| Ok(seed * self.rate(variable, &rates)?));
             found.push(slopes.sum::<Answer<f64>>()?);
@@ -100,25 +99,29 @@ impl Instance {
         elements.into_iter().zip(seed).map(|(element, seed)| Ok((element.row()?, *seed))).collect()
     }
 
-    /// Sum of dy/du * du/dt over the inputs.
-    fn rate(&self, variable: &Variable, rates: &[f64; 3]) -> Answer<f64> {
-        let Some(simulation) = &self.simulation else { return refuse("nothing has been solved yet") };
+    fn solved(&mut self) -> Answer<&mut Simulation> {
+        match &mut self.simulation {
+            Some(simulation) => Ok(simulation),
+            None => refuse("nothing has been solved yet"),
+        }
+    }
+
+    /// Sum of dy/du * change of u over the inputs.
+    fn rate(&mut self, variable: &Variable, changes: &[f64; Input::ALL.len()]) -> Answer<f64> {
+        let simulation = self.solved()?;
         let mut sum = 0.0;
-        for input in INPUTS {
-            match variable.derivative(simulation.derivatives(input)) {
-                Some(slope) => sum += slope * rates[input as usize],
-                None => {
-                    return refuse(format!(
-                        "{} has no derivative: it is no smooth result of the inputs",
-                        variable.name
-                    ));
-                }
-            }
+        for (input, change) in Input::ALL.into_iter().zip(changes) {
+            sum += change * finite(variable, variable.derivative(simulation.derivatives(input)?))?;
         }
-        if !sum.is_finite() {
-            return refuse(format!("the derivative of {} is too large for a number", variable.name));
-        }
-        Ok(sum)
+        finite(variable, Some(sum))
+    }
+}
+
+fn finite(variable: &Variable, derivative: Option<f64>) -> Answer<f64> {
+    match derivative {
+        Some(slope) if slope.is_finite() => Ok(slope),
+        Some(_) => refuse(format!("the derivative of {} is too large for a number", variable.name)),
+        None => refuse(format!("{} has no derivative: it is no smooth result of the inputs", variable.name)),
     }
 }
 
@@ -134,6 +137,10 @@ fn fill(values: &mut [f64], found: &[f64]) -> Answer<()> {
 fn as_input(variable: &Variable) -> Answer<Input> {
     match variable.source {
         Source::Input(row) => Ok(row.input),
-        _ => refuse(format!("{} is not an input", variable.name)),
+        _ => refuse(no_input(variable)),
     }
+}
+
+fn no_input(variable: &Variable) -> String {
+    format!("{} is not an input", variable.name)
 }

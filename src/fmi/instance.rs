@@ -7,8 +7,8 @@ use crate::fmi::log::{Category, Log, Status};
 use crate::fmi::phase::{Call, Phase};
 use crate::fmi::standard::{Element, Standard};
 use crate::fmi::state::{SavedState, Settings};
-use crate::parameters::Value;
-use crate::simulation::Simulation;
+use crate::parameters::{Inputs, Value};
+use crate::simulation::{Drive, Simulation};
 use crate::variables::{Source, Type, VARIABLES, Variable, View};
 
 /// Why a call did not do what it was asked.
@@ -203,15 +203,14 @@ impl Instance {
         Ok(())
     }
 
-    fn value(&self, element: Element) -> Answer<Value> {
-        let Settings { parameters, inputs, time, .. } = &self.settings;
-        let Element::Row(variable) = element else { return Ok(Value::Real(*time)) };
-        let value = match (variable.source, &self.simulation) {
-            (Source::Input(_) | Source::Parameter(_), _) => {
-                variable.get(&View { parameters, inputs, outputs: &crate::outputs::Outputs::default(), position: &[] })
-            }
-            (_, Some(simulation)) => variable.get(&View::from(simulation)),
-            (_, None) => return refuse(format!("{} has no value yet: nothing has been solved", variable.name)),
+    fn value(&mut self, element: Element) -> Answer<Value> {
+        let Element::Row(variable) = element else { return Ok(Value::Real(self.settings.time)) };
+        let given = matches!(variable.source, Source::Input(_) | Source::Parameter(_));
+        let value = match &mut self.simulation {
+            _ if given => variable.given(&self.settings.parameters, &self.settings.inputs),
+            Some(simulation) if matches!(variable.source, Source::Stiffness) => variable.get(&View::new(simulation)?),
+            Some(simulation) => variable.get(&View::without_stiffness(simulation)),
+            None => return refuse(format!("{} has no value yet: nothing has been solved", variable.name)),
         };
         match value {
             Value::Real(v) if !v.is_finite() => refuse(format!("{} has no finite value: {v}", variable.name)),
@@ -280,7 +279,7 @@ impl Instance {
         Ok(())
     }
 
-    /// The function DoStep: the steady solution for the inputs at the end of the step.
+    /// The function DoStep.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<()> {
         self.check(Call::DoStep)?;
         let Settings { time, stop_time, inputs, input_rates, .. } = self.settings;
@@ -297,16 +296,17 @@ impl Instance {
         if end <= from {
             return refuse(format!("communicationStepSize = {step} is not allowed: too small to move on from {from}"));
         }
-        let mut target = inputs;
+        let drive = Drive { inputs, rates: input_rates };
         let mut parameters = self.settings.parameters;
+        let mut target = drive.at(step);
         for variable in VARIABLES.iter() {
             let Source::Input(row) = variable.source else { continue };
-            let rate = input_rates[row.input as usize];
-            if rate != 0.0 {
-                variable.set(&mut parameters, &mut target, &Value::Real(row.get(&inputs) + step * rate))?;
+            let value = row.get(&target);
+            if value != row.get(&inputs) {
+                variable.set(&mut parameters, &mut target, &Value::Real(value))?;
             }
         }
-        if let Err(refusal) = self.solve(target) {
+        if let Err(refusal) = self.solve(|simulation| simulation.advance(drive, step)) {
             // FMI 3 has no state for this: the instance is where it was, and a smaller step may follow.
             if refusal.status == Status::Discard && self.standard == Standard::Fmi2 {
                 self.settings.phase = Phase::StepFailed;
@@ -314,8 +314,7 @@ impl Instance {
             return Err(refusal);
         }
         self.settings.inputs = target;
-        self.settings.last_rates = input_rates;
-        self.settings.input_rates = [0.0; 3];
+        self.settings.input_rates = Inputs::NONE;
         self.settings.time = end;
         Ok(())
     }
@@ -358,17 +357,21 @@ impl Instance {
     }
 
     pub(super) fn solve_if_needed(&mut self) -> Answer<()> {
-        if self.settings.solved { Ok(()) } else { self.solve(self.settings.inputs) }
+        if self.settings.solved {
+            return Ok(());
+        }
+        let inputs = self.settings.inputs;
+        self.solve(|simulation| simulation.solve_steady(inputs))
     }
 
-    fn solve(&mut self, inputs: crate::parameters::Inputs) -> Answer<()> {
+    fn solve(&mut self, solve: impl FnOnce(&mut Simulation) -> Result<(), Error>) -> Answer<()> {
         let simulation = match &mut self.simulation {
             Some(simulation) => simulation,
             slot => slot.insert(Simulation::new(&self.settings.parameters)?),
         };
-        simulation.solve_steady(inputs)?;
+        solve(simulation)?;
         self.settings.solved = true;
-        let outputs = simulation.outputs();
+        let (inputs, outputs) = (simulation.inputs(), simulation.outputs());
         let line =
             format!("solved {inputs:?}: {} Newton iterations, {:.6e} N/m", outputs.newton_iterations, outputs.load);
         self.log.add(Status::Ok, Category::Solver, line);

@@ -22,9 +22,7 @@ pub struct Settings {
     /// Inputs as set so far; not always those of the last solution.
     pub inputs: Inputs,
     /// Time derivatives of the inputs for the next step.
-    pub input_rates: [f64; 3],
-    /// Time derivatives of the inputs during the last step.
-    pub last_rates: [f64; 3],
+    pub input_rates: Inputs,
     /// The communication point.
     pub time: f64,
     /// Where the experiment ends, if that was said.
@@ -39,8 +37,7 @@ impl Default for Settings {
             phase: Phase::Instantiated,
             parameters: Parameters::default(),
             inputs: Inputs::default(),
-            input_rates: [0.0; 3],
-            last_rates: [0.0; 3],
+            input_rates: Inputs::NONE,
             time: 0.0,
             stop_time: None,
             solved: false,

@@ -3,3 +3,4 @@
 pub mod continuation;
 pub mod linear;
 pub mod newton;
+pub mod runge_kutta;

@@ -147,7 +147,9 @@ fn input_derivatives_move_the_input_during_one_step() {
     assert!((fmu.get_real("penetration_depth") + 8e-6).abs() < 1e-18);
     let (status, slope) = fmu.directional("load", "penetration_depth", 4e-6);
     assert_eq!(status, OK);
-    assert_eq!(fmu.output_rate("load", 1), (OK, slope));
+    let (status, rate) = fmu.output_rate("load", 1);
+    assert_eq!(status, OK);
+    assert!((rate - slope).abs() < 1e-12 * slope, "{rate} {slope}");
     assert_eq!(fmu.output_rate("load", 2), (OK, 0.0));
     assert_eq!(fmu.output_rate("load", 0).0, ERROR);
     assert_eq!(fmu.step(0.5, 0.5), OK);

@@ -12,7 +12,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-INPUTS = {"penetration_depth", "sliding_speed", "slide_to_roll_ratio"}
+INPUTS = {"penetration_depth", "sliding_speed", "slide_to_roll_ratio", "approach_speed", "applied_load"}
 SCALAR_OUTPUTS = {
     "load", "fluid_load", "solid_load", "normal_force", "upper_friction_force", "lower_friction_force",
     "friction_coefficient", "fluid_friction_coefficient", "fluid_load_support", "minimum_film_thickness",

@@ -46,7 +46,9 @@ fn pressed(upper: Body, lower: Body, penetration_depth: f64, rows: i32) -> Outpu
         ..Parameters::default()
     };
     let mut simulation = Simulation::new(&parameters).unwrap();
-    simulation.solve_steady(Inputs { penetration_depth, sliding_speed: 0.0, slide_to_roll_ratio: 0.0 }).unwrap();
+    simulation
+        .solve_steady(Inputs { penetration_depth, sliding_speed: 0.0, slide_to_roll_ratio: 0.0, ..Inputs::NONE })
+        .unwrap();
     let outputs = simulation.outputs().clone();
     assert!(outputs.maximum_fluid_pressure.abs() < 1e-6 * outputs.maximum_contact_pressure);
     outputs

@@ -172,7 +172,9 @@ fn rigid_circular_bodies_have_the_pressure_of_the_sector() {
     };
     let mut simulation = Simulation::new(&parameters).unwrap();
     for (h0, parabola) in [(50e-6, 112.23013), (10e-6, 1294.6439)] {
-        simulation.solve_steady(Inputs { penetration_depth: -h0, sliding_speed: U, slide_to_roll_ratio: 0.0 }).unwrap();
+        simulation
+            .solve_steady(Inputs { penetration_depth: -h0, sliding_speed: U, slide_to_roll_ratio: 0.0, ..Inputs::NONE })
+            .unwrap();
         let outputs = simulation.outputs();
         let circle = circular_peak(h0, 0.1, 0.1 * (PI / 36.0).sin());
         assert_relative_eq!(outputs.maximum_fluid_pressure, circle, max_relative = 2e-4);
@@ -207,7 +209,12 @@ fn rigid_circular_bodies_have_the_friction_of_rolling_and_sliding() {
     for ratio in [0.0, 0.5, -1.0] {
         let h0 = 10e-6;
         simulation
-            .solve_steady(Inputs { penetration_depth: -h0, sliding_speed: U, slide_to_roll_ratio: ratio })
+            .solve_steady(Inputs {
+                penetration_depth: -h0,
+                sliding_speed: U,
+                slide_to_roll_ratio: ratio,
+                ..Inputs::NONE
+            })
             .unwrap();
         // The truncated parabola: int h p'/2 dx = 3 eta U int (h - h*)/h^2, int eta dU/h dx, in closed form.
         let s = (2.0 * R * h0).sqrt();

@@ -29,7 +29,7 @@ fn coarse(formulation: Formulation) -> Parameters {
 }
 
 fn inputs(micron: f64, sliding_speed: f64, slide_to_roll_ratio: f64) -> Inputs {
-    Inputs { penetration_depth: micron * 1e-6, sliding_speed, slide_to_roll_ratio }
+    Inputs { penetration_depth: micron * 1e-6, sliding_speed, slide_to_roll_ratio, ..Inputs::NONE }
 }
 
 /// A pair at these depths one after the other.
@@ -99,8 +99,7 @@ fn energy_and_mass_of_the_film() {
                 let pair = pair_at(&parameters, false, depths);
                 let bodies = [0, 1].map(|body| pair.reactions(body, 0.5 * U));
                 let levels = pair.levels();
-                let film =
-                    pair.system.film_outflow(&pair.unknowns, &pair.inputs, None, &vec![0.0; pair.unknowns.len()], 0.0);
+                let film = pair.system.film_outflow(pair.at(), &pair.no_change());
                 // V times weight at the stations, and what the film makes of it.
                 let outflow = |i: usize| -bodies[0][2][i * levels] - bodies[1][2][i * levels];
                 let last = film.len() - 1;

@@ -21,3 +21,4 @@ mod porous_film;
 mod reach;
 mod soft_film;
 mod solid_alone;
+mod squeeze;

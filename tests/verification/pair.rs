@@ -1,6 +1,6 @@
 //! Two bodies as the crate's own discrete system, with its unknowns in reach.
 
-use cartilage_contact::equations::system::{Residual, System};
+use cartilage_contact::equations::system::{At, Change, Direction, Residual, System};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
 use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, quadratic, quadratic_derivative};
 use cartilage_contact::parameters::{Inputs, Parameters};
@@ -49,9 +49,25 @@ impl Pair {
     pub fn go(&mut self, inputs: Inputs) {
         self.inputs = inputs;
         let mut unknowns = self.unknowns.clone();
-        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 40 };
+        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 40, reuse: 0.0 };
         newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
+    }
+
+    /// Where derivatives are taken.
+    pub fn at(&self) -> At<'_> {
+        let Self { unknowns, active, residual, inputs, .. } = self;
+        At { unknowns, active, contact_forces: &residual.contact_forces, inputs, rates: None }
+    }
+
+    /// No change at all.
+    pub fn no_change(&self) -> Change {
+        Change {
+            unknowns: vec![0.0; self.unknowns.len()],
+            inputs: Direction::default(),
+            history: None,
+            contact_forces: vec![0.0; self.active.len()],
+        }
     }
 
     /// Nodes through the thickness.

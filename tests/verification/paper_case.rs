@@ -19,7 +19,8 @@ fn simulation() -> Simulation {
 }
 
 fn at(simulation: &mut Simulation, micron: f64) -> Outputs {
-    let inputs = Inputs { penetration_depth: micron * 1e-6, sliding_speed: 0.2, slide_to_roll_ratio: 0.0 };
+    let inputs =
+        Inputs { penetration_depth: micron * 1e-6, sliding_speed: 0.2, slide_to_roll_ratio: 0.0, ..Inputs::NONE };
     simulation.solve_steady(inputs).unwrap();
     simulation.outputs().clone()
 }
@@ -59,11 +60,11 @@ fn table_of_three_codes() {
     near("h(0)", 10.0, o.central_film_thickness, 1.082e-6, 5e-10);
     near("p_max", 10.0, o.maximum_fluid_pressure, 29159.0, 2.0);
     near("mu_f", 10.0, o.fluid_friction_coefficient, 0.00242, 5e-6);
-    let stiffness = simulation.derivatives(Input::PenetrationDepth).load;
+    let stiffness = simulation.derivatives(Input::PenetrationDepth).unwrap().load;
     near("dL/dd", 10.0, stiffness, 6.464e6, 4e3);
     // First touch: the film's last 14 nm close on the tangent.
     let o = at(&mut simulation, 12.6);
-    let slope = simulation.derivatives(Input::PenetrationDepth).minimum_film_thickness;
+    let slope = simulation.derivatives(Input::PenetrationDepth).unwrap().minimum_film_thickness;
     near("first touch", 12.6, 12.6 - 1e6 * o.minimum_film_thickness / slope, 12.65, 5e-3);
     let o = at(&mut simulation, 13.0);
     near("load", 13.0, o.load, 73.1, 0.05);

@@ -12,7 +12,12 @@ fn press(parameters: &Parameters, sliding_speed: f64, depths: &[f64]) -> Result<
     let mut simulation = Simulation::new(parameters)?;
     let mut load = -1.0;
     for d in depths {
-        simulation.solve_steady(Inputs { penetration_depth: d * 1e-6, sliding_speed, slide_to_roll_ratio: 0.0 })?;
+        simulation.solve_steady(Inputs {
+            penetration_depth: d * 1e-6,
+            sliding_speed,
+            slide_to_roll_ratio: 0.0,
+            ..Inputs::NONE
+        })?;
         let o = simulation.outputs();
         println!(
             "d {d}: L {} L_s {} h_min {:e}, {} iterations",

@@ -87,7 +87,9 @@ fn layers_that_are_thin_and_compressible() {
             ..Parameters::default()
         };
         let mut simulation = Simulation::new(&parameters).unwrap();
-        simulation.solve_steady(Inputs { penetration_depth: -H0, sliding_speed: U, slide_to_roll_ratio: 0.0 }).unwrap();
+        simulation
+            .solve_steady(Inputs { penetration_depth: -H0, sliding_speed: U, slide_to_roll_ratio: 0.0, ..Inputs::NONE })
+            .unwrap();
         let outputs = simulation.outputs();
         let pressure = ETA * U * (2.0 * R).sqrt() / H0.powf(1.5);
         let measured = [

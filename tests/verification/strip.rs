@@ -7,6 +7,7 @@ use cartilage_contact::fem::element::{NODES, POINTS};
 use cartilage_contact::fem::mesh::LayerMesh;
 use cartilage_contact::solver::linear::{Cluster, FIXED, Multifrontal};
 use cartilage_contact::solver::newton::{self, Problem};
+use cartilage_contact::solver::runge_kutta;
 
 /// The three fields, in the order of the element's local unknowns.
 pub const X: usize = 0;
@@ -156,7 +157,7 @@ impl Strip {
     /// Solves from the present values. Returns the number of Newton iterations.
     pub fn solve(&mut self) -> usize {
         let mut unknowns = self.unknowns.clone();
-        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 30 };
+        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 30, reuse: 0.0 };
         let iterations = newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
         iterations
@@ -168,23 +169,19 @@ impl Strip {
         (0..self.mesh.elements()).map(|e| from_fn(|q| ratio(e, q))).collect()
     }
 
-    /// One time step of Alexander's L-stable diagonally implicit Runge-Kutta method of order two; `drive(strip, time)` sets what
-    /// is prescribed at a time.
+    /// One time step of the crate's Runge-Kutta method; `drive(strip, time)` sets what is prescribed at a time.
     pub fn step(&mut self, time: f64, dt: f64, drive: impl Fn(&mut Self, f64)) {
-        let gamma = 1.0 - 0.5_f64.sqrt();
-        let start = self.volume_ratios();
-        let mut known = start.clone();
-        for (stage, at) in [gamma, 1.0].into_iter().enumerate() {
-            drive(self, time + at * dt);
-            let rate = 1.0 / (gamma * dt);
-            for (rates, known) in self.rates.iter_mut().zip(&known) {
-                *rates = VolumeRate { rate, history: known.map(|j| -rate * j) };
+        let before = self.volume_ratios();
+        let mut first: Vec<[f64; POINTS]> = vec![[0.0; POINTS]; before.len()];
+        for stage in runge_kutta::stages(dt) {
+            drive(self, time + stage.time);
+            for ((rates, before), first) in self.rates.iter_mut().zip(&before).zip(&first) {
+                let history = from_fn(|q| stage.before * before[q] + stage.first * first[q]);
+                *rates = VolumeRate { rate: stage.present, history };
             }
             self.solve();
-            if stage == 0 {
-                for ((known, now), start) in known.iter_mut().zip(self.volume_ratios()).zip(&start) {
-                    *known = from_fn(|q| start[q] + (1.0 - gamma) / gamma * (now[q] - start[q]));
-                }
+            for ((first, now), rates) in first.iter_mut().zip(self.volume_ratios()).zip(&self.rates) {
+                *first = from_fn(|q| rates.rate * now[q] + rates.history[q]);
             }
         }
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use cartilage_contact::error::Error;
 use cartilage_contact::io::case::Case;
 use cartilage_contact::parameters::{Inputs, PARAMETERS, Value};
-use cartilage_contact::simulation::Simulation;
+use cartilage_contact::simulation::{Input, Simulation};
 use cartilage_contact::variables::{self, Source, VARIABLES, Variable, View};
 
 use super::parquet::{self, Column};
@@ -21,9 +21,13 @@ pub struct Table {
     writer: csv::Writer<File>,
 }
 
-/// Inputs, then results.
+/// The inputs of a steady state at a given depth, then results.
 fn columns() -> impl Iterator<Item = &'static Variable> {
-    VARIABLES.iter().filter(|row| matches!(row.source, Source::Input(_))).chain(variables::scalar_outputs())
+    let given = |row: &&Variable| match row.source {
+        Source::Input(row) => !matches!(row.input, Input::ApproachSpeed | Input::AppliedLoad),
+        _ => false,
+    };
+    VARIABLES.iter().filter(given).chain(variables::scalar_outputs())
 }
 
 fn column(name: &str) -> Option<usize> {
@@ -81,11 +85,11 @@ impl Table {
     }
 
     /// Adds the present state of a simulation, in memory and on disk.
-    pub fn add(&mut self, simulation: &Simulation) -> Result<(), Error> {
+    pub fn add(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         if self.holds(simulation.inputs()) {
             return Ok(());
         }
-        let view = View::from(simulation);
+        let view = View::new(simulation)?;
         let row: Vec<String> = columns()
             .map(|variable| match variable.get(&view) {
                 Value::Real(value) if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) => format!("{value:e}"),

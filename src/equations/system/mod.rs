@@ -4,6 +4,10 @@ mod residual;
 mod tangent;
 mod update;
 
+pub use tangent::{At, Change, Direction};
+
+use serde::{Deserialize, Serialize};
+
 use crate::equations::film::{self, Film, MassRate};
 use crate::equations::layout::{Layout, Quantity};
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
@@ -26,19 +30,17 @@ pub struct Layer {
     pub side: f64,
 }
 
-/// History terms of the time integration; steady has none.
+/// Time derivatives by a difference formula, d/dt = rate * present value + history; steady has none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rates {
-    /// Factor of the present value in d/dt [1/s].
+    /// Factor of the present value [1/s].
     pub rate: f64,
-    /// Rest of dJ/dt at the quadrature points of every element of every body [1/s].
-    pub volume: Vec<Vec<[f64; POINTS]>>,
-    /// Rest of d(r h)/dt at the quadrature points of every interface element [m/s].
-    pub film: Vec<[f64; 3]>,
+    /// The rest of dJ/dt [1/s] and of d(r h)/dt [m/s].
+    pub history: Contents,
 }
 
 /// What time derivatives are taken of, at the quadrature points.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Contents {
     /// J in every element of every body.
     pub volume: Vec<Vec<[f64; POINTS]>>,
@@ -46,14 +48,36 @@ pub struct Contents {
     pub film: Vec<[f64; 3]>,
 }
 
+impl Contents {
+    /// a * self + b * other, value by value.
+    pub fn combined(&self, a: f64, b: f64, other: &Self) -> Self {
+        let mix = |x: f64, y: f64| a * x + b * y;
+        Self {
+            volume: self
+                .volume
+                .iter()
+                .zip(&other.volume)
+                .map(|(x, y)| x.iter().zip(y).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect())
+                .collect(),
+            film: self.film.iter().zip(&other.film).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect(),
+        }
+    }
+
+    /// a * self.
+    pub fn scaled(&self, a: f64) -> Self {
+        self.combined(a, 0.0, self)
+    }
+}
+
 impl Rates {
+    /// d/dt of these contents.
+    pub fn of(&self, contents: &Contents) -> Contents {
+        self.history.combined(1.0, self.rate, contents)
+    }
+
     /// d/dt = (present - before) / step.
     pub fn backward_euler(step: f64, before: &Contents) -> Self {
-        Self {
-            rate: 1.0 / step,
-            volume: before.volume.iter().map(|body| body.iter().map(|j| j.map(|j| -j / step)).collect()).collect(),
-            film: before.film.iter().map(|m| m.map(|m| -m / step)).collect(),
-        }
+        Self { rate: 1.0 / step, history: before.scaled(-1.0 / step) }
     }
 }
 
@@ -286,11 +310,12 @@ impl System {
     }
 
     fn volume_rate(&self, rates: Option<&Rates>, body: usize, element: usize) -> VolumeRate {
-        rates.map_or_else(VolumeRate::default, |r| VolumeRate { rate: r.rate, history: r.volume[body][element] })
+        rates
+            .map_or_else(VolumeRate::default, |r| VolumeRate { rate: r.rate, history: r.history.volume[body][element] })
     }
 
     fn mass_rate(&self, rates: Option<&Rates>, column: usize) -> MassRate {
-        rates.map_or_else(MassRate::default, |r| MassRate { rate: r.rate, history: r.film[column] })
+        rates.map_or_else(MassRate::default, |r| MassRate { rate: r.rate, history: r.history.film[column] })
     }
 
     /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap (halved, with the body's
@@ -317,6 +342,11 @@ impl System {
     /// Weight of gaps against contact pressures [Pa/m].
     pub fn contact_stiffness(&self) -> f64 {
         self.contact_stiffness
+    }
+
+    /// Thickness of the thicker layer [m].
+    pub fn thickness(&self) -> f64 {
+        self.thickness
     }
 
     /// Entries of the factors, a measure of memory.

@@ -20,6 +20,71 @@ impl System {
         Contents { volume: volume.collect(), film: film.collect() }
     }
 
+    /// How [`System::contents`] change along a change of unknowns and of the penetration depth.
+    pub fn contents_change(
+        &self,
+        unknowns: &[f64],
+        inputs: &Inputs,
+        change: &[f64],
+        penetration_depth: f64,
+    ) -> Contents {
+        let volume = self.layers.iter().enumerate().map(|(body, layer)| {
+            let element = |element| {
+                let at = self.local(body, element, unknowns, inputs.penetration_depth);
+                let along = self.local_change(body, element, change, penetration_depth);
+                std::array::from_fn(|point| {
+                    let strain = Tissue::strain(&layer.mesh, element, point, &at);
+                    let direction = Tissue::strain(&layer.mesh, element, point, &along);
+                    strain.cofactor.dot(&direction.gradient)
+                })
+            };
+            (0..layer.mesh.elements()).map(element).collect()
+        });
+        let film = (0..self.layers[0].mesh.columns)
+            .map(|column| self.film.mass_change(&self.film_local(column, unknowns), &self.film_local(column, change)));
+        Contents { volume: volume.collect(), film: film.collect() }
+    }
+
+    /// Adds what a change of the rates of volume and mass does to the residual.
+    pub fn add_storage(&self, unknowns: &[f64], inputs: &Inputs, change: &Contents, values: &mut [f64]) {
+        for (body, layer) in self.layers.iter().enumerate() {
+            for element in 0..layer.mesh.elements() {
+                let at = self.local(body, element, unknowns, inputs.penetration_depth);
+                let local = layer.tissue.storage(&layer.mesh, element, &at, &change.volume[body][element]);
+                self.scatter(body, element, &local, values);
+            }
+        }
+        let levels = self.layers[0].mesh.levels();
+        for column in 0..self.layers[0].mesh.columns {
+            let stored = self.film.storage(self.film_length(column), &change.film[column]);
+            for (a, stored) in stored.into_iter().enumerate() {
+                let number = self.layout.pressure[0][(2 * column + a) * levels];
+                if number != FIXED {
+                    values[number as usize] += stored / self.copies();
+                }
+            }
+        }
+    }
+
+    /// Load per unit depth, of fluid and of solid [N/m]. Linear: of changes it is the change.
+    pub fn load(&self, unknowns: &[f64], contact_forces: &[f64]) -> f64 {
+        let levels = self.layers[0].mesh.levels();
+        let pressure = |i: usize| match self.layout.pressure[0][i * levels] {
+            FIXED => 0.0,
+            number => unknowns[number as usize],
+        };
+        let interpolated = |i: usize| match i % 2 == 1 && self.layers[0].mesh.pressure_order == 1 {
+            true => 0.5 * (pressure(i - 1) + pressure(i + 1)),
+            false => pressure(i),
+        };
+        self.weights
+            .iter()
+            .zip(contact_forces)
+            .enumerate()
+            .map(|(i, (weight, force))| weight * interpolated(i) + force)
+            .sum()
+    }
+
     /// Residual of all equations; contact enters by [`Self::apply_contact`].
     pub(super) fn raw_residual(
         &self,

@@ -1,26 +1,67 @@
 //! The tangent, and what follows from it: updates, and derivatives by the inputs.
 
-use super::{Rates, System, surface_speeds};
+use super::{Contents, Rates, System, surface_speeds};
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
 use crate::fem::element::NODES;
 use crate::parameters::Inputs;
 use crate::solver::linear::{FIXED, Multifrontal, Singular};
 
 /// A change of the inputs.
-struct Direction {
-    penetration_depth: f64,
-    speeds: [f64; 2],
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Direction {
+    /// Of the penetration depth [m].
+    pub penetration_depth: f64,
+    /// Of the sliding speed [m/s].
+    pub sliding_speed: f64,
+    /// Of the slide-to-roll ratio [1].
+    pub slide_to_roll_ratio: f64,
 }
 
-/// Unit changes of penetration depth, sliding speed and slide-to-roll ratio.
-fn input_directions(inputs: &Inputs) -> [Direction; 3] {
-    let s = inputs.slide_to_roll_ratio;
-    let half = 0.5 * inputs.sliding_speed;
-    [
-        Direction { penetration_depth: 1.0, speeds: [0.0; 2] },
-        Direction { penetration_depth: 0.0, speeds: [0.5 * (1.0 + s), 0.5 * (1.0 - s)] },
-        Direction { penetration_depth: 0.0, speeds: [half, -half] },
-    ]
+impl Direction {
+    /// Unit changes of penetration depth, sliding speed and slide-to-roll ratio.
+    pub const UNIT: [Self; 3] = {
+        let none = Self { penetration_depth: 0.0, sliding_speed: 0.0, slide_to_roll_ratio: 0.0 };
+        [
+            Self { penetration_depth: 1.0, ..none },
+            Self { sliding_speed: 1.0, ..none },
+            Self { slide_to_roll_ratio: 1.0, ..none },
+        ]
+    };
+
+    /// Changes of the two surface speeds [m/s].
+    pub fn surface_speeds(&self, inputs: &Inputs) -> [f64; 2] {
+        let s = inputs.slide_to_roll_ratio;
+        let half = 0.5 * inputs.sliding_speed * self.slide_to_roll_ratio;
+        [0.5 * (1.0 + s) * self.sliding_speed + half, 0.5 * (1.0 - s) * self.sliding_speed - half]
+    }
+}
+
+/// A solution, where derivatives are taken.
+#[derive(Debug, Clone, Copy)]
+pub struct At<'a> {
+    /// The unknowns.
+    pub unknowns: &'a [f64],
+    /// Stations in contact.
+    pub active: &'a [bool],
+    /// Force of contact at each station [N/m].
+    pub contact_forces: &'a [f64],
+    /// The inputs.
+    pub inputs: &'a Inputs,
+    /// History terms of the time integration.
+    pub rates: Option<&'a Rates>,
+}
+
+/// A small change of a solution with its causes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Of the unknowns.
+    pub unknowns: Vec<f64>,
+    /// Of the inputs.
+    pub inputs: Direction,
+    /// Of the history terms [`Rates::volume`] and [`Rates::film`]; none where there is no change.
+    pub history: Option<Contents>,
+    /// Of the contact forces [N/m].
+    pub contact_forces: Vec<f64>,
 }
 
 impl System {
@@ -162,149 +203,134 @@ impl System {
         }
     }
 
-    /// Derivatives of the unknowns by penetration depth, sliding speed and slide-to-roll ratio, from the last factorisation: three
-    /// vectors, one after the other.
+    /// How a solution changes with its inputs and its history, from the last factorisation, which has to be that at the solution;
+    /// one answer for each pair of causes.
     ///
     /// # Errors
     /// [`Singular`] where the answer is not finite.
-    pub fn sensitivities(
-        &self,
-        unknowns: &[f64],
-        active: &[bool],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-        contact_forces: &[f64],
-    ) -> Result<Vec<f64>, Singular> {
+    pub fn respond(&self, at: At<'_>, causes: Vec<(Direction, Option<Contents>)>) -> Result<Vec<Change>, Singular> {
         let n = self.unknowns();
-        let mut columns = vec![0.0; 3 * n];
-        for (k, direction) in input_directions(inputs).into_iter().enumerate() {
-            if k == 2 && self.mirrored() {
+        let mut columns = vec![0.0; causes.len() * n];
+        for ((direction, history), values) in causes.iter().zip(columns.chunks_exact_mut(n)) {
+            let mut direction = *direction;
+            if self.mirrored() {
                 // Exchanging the bodies reverses the slide-to-roll ratio: what is mirror-symmetric does not change with it.
-                continue;
+                direction.slide_to_roll_ratio = 0.0;
             }
-            let values = &mut columns[k * n..(k + 1) * n];
-            let zero = vec![0.0; n];
-            self.directional(unknowns, inputs, rates, &zero, &direction, 0..self.layers[0].mesh.rows, values);
-            let (share, slopes) = self.friction(inputs);
-            for i in (0..active.len()).filter(|i| active[*i]) {
+            self.add_by_inputs(at, &direction, values);
+            if let Some(history) = history {
+                self.add_storage(at.unknowns, at.inputs, history, values);
+            }
+            let (share, slopes) = self.friction(at.inputs);
+            let speeds = direction.surface_speeds(at.inputs);
+            for i in (0..at.active.len()).filter(|i| at.active[*i]) {
                 let gap = self.layout.gap[i] as usize;
                 let change = share * self.copies() * values[gap]
-                    + (slopes[0] * direction.speeds[0] + slopes[1] * direction.speeds[1]) * contact_forces[i];
+                    + (slopes[0] * speeds[0] + slopes[1] * speeds[1]) * at.contact_forces[i];
                 self.add_friction(i, change, values);
                 values[gap] = 0.0;
             }
             values.iter_mut().for_each(|v| *v = -*v);
         }
         self.solve(&mut columns)?;
-        Ok(columns)
+        let changes = causes.into_iter().zip(columns.chunks_exact(n)).map(|((inputs, history), unknowns)| Change {
+            contact_forces: self.contact_force_change(at, unknowns, inputs.penetration_depth),
+            unknowns: unknowns.to_vec(),
+            inputs,
+            history,
+        });
+        Ok(changes.collect())
     }
 
-    /// Derivatives of the contact forces by the three inputs, given those of the unknowns.
-    pub fn contact_force_sensitivities(
-        &self,
-        unknowns: &[f64],
-        active: &[bool],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-        sensitivities: &[f64],
-    ) -> Vec<Vec<f64>> {
-        let n = self.unknowns();
-        let mut values = vec![0.0; n];
-        input_directions(inputs)
-            .into_iter()
-            .enumerate()
-            .map(|(k, direction)| {
-                values.fill(0.0);
-                if active.contains(&true) {
-                    self.directional(
-                        unknowns,
-                        inputs,
-                        rates,
-                        &sensitivities[k * n..(k + 1) * n],
-                        &direction,
-                        0..1,
-                        &mut values,
-                    );
-                }
-                let force = |i: usize| self.copies() * values[self.layout.gap[i] as usize];
-                (0..active.len()).map(|i| if active[i] { force(i) } else { 0.0 }).collect()
-            })
-            .collect()
-    }
-
-    /// Adds the derivative of the residual before contact along a change of unknowns and inputs, for some rows of elements.
-    #[allow(clippy::too_many_arguments)]
-    fn directional(
-        &self,
-        unknowns: &[f64],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-        change: &[f64],
-        direction: &Direction,
-        rows: std::ops::Range<usize>,
-        values: &mut [f64],
-    ) {
+    /// Change of the contact forces along a change of unknowns and penetration depth [N/m].
+    fn contact_force_change(&self, at: At<'_>, change: &[f64], penetration_depth: f64) -> Vec<f64> {
+        let mut values = vec![0.0; self.unknowns()];
         for (body, layer) in self.layers.iter().enumerate() {
-            for element in 0..layer.mesh.elements() {
-                let row = element % layer.mesh.rows;
-                // Only the row at the bone feels the depth; all rows feel the speed.
-                let relevant = direction.speeds != [0.0; 2] || rows.len() == 1 || row + 1 == layer.mesh.rows;
-                if !rows.contains(&row) || !relevant {
+            for column in 0..layer.mesh.columns {
+                if !at.active[2 * column..=2 * column + 2].contains(&true) {
                     continue;
                 }
-                let at = self.local(body, element, unknowns, inputs.penetration_depth);
-                let local_change = self.local_change(body, element, change, direction.penetration_depth);
-                let mut local = self.element_by_speed(body, element, &at, inputs).map(|v| v * direction.speeds[body]);
-                if local_change.iter().any(|c| *c != 0.0) {
-                    let tangent = self.element_tangent(body, element, &at, inputs, rates);
-                    for (column, c) in tangent.chunks_exact(LOCAL).zip(local_change) {
-                        if c != 0.0 {
-                            local.iter_mut().zip(column).for_each(|(l, t)| *l += t * c);
-                        }
-                    }
+                let element = column * layer.mesh.rows;
+                let local_at = self.local(body, element, at.unknowns, at.inputs.penetration_depth);
+                let local_change = self.local_change(body, element, change, penetration_depth);
+                let mut local = [0.0; LOCAL];
+                add_product(
+                    &self.element_tangent(body, element, &local_at, at.inputs, None),
+                    &local_change,
+                    &mut local,
+                );
+                self.scatter(body, element, &local, &mut values);
+            }
+        }
+        let force = |i: usize| self.copies() * values[self.layout.gap[i] as usize];
+        (0..at.active.len()).map(|i| if at.active[i] { force(i) } else { 0.0 }).collect()
+    }
+
+    /// Change of the load per unit depth along a change of the unknowns alone [N/m].
+    pub fn load_along(&self, at: At<'_>, change: &[f64]) -> f64 {
+        self.load(change, &self.contact_force_change(at, change, 0.0))
+    }
+
+    /// Adds the derivative of the residual before contact along a change of the inputs.
+    fn add_by_inputs(&self, at: At<'_>, direction: &Direction, values: &mut [f64]) {
+        let At { unknowns, inputs, rates, .. } = at;
+        let speeds = direction.surface_speeds(inputs);
+        let none = vec![0.0; self.unknowns()];
+        for (body, layer) in self.layers.iter().enumerate() {
+            for element in 0..layer.mesh.elements() {
+                // Only the row at the bone feels the depth; all rows feel the speed.
+                let at_bone = element % layer.mesh.rows + 1 == layer.mesh.rows && direction.penetration_depth != 0.0;
+                if !at_bone && speeds[body] == 0.0 {
+                    continue;
+                }
+                let local_at = self.local(body, element, unknowns, inputs.penetration_depth);
+                let mut local = self.element_by_speed(body, element, &local_at, inputs).map(|v| v * speeds[body]);
+                if at_bone {
+                    let change = self.local_change(body, element, &none, direction.penetration_depth);
+                    add_product(&self.element_tangent(body, element, &local_at, inputs, rates), &change, &mut local);
                 }
                 self.scatter(body, element, &local, values);
             }
         }
         let levels = self.layers[0].mesh.levels();
-        let sliding = direction.speeds[0] + direction.speeds[1];
         for column in 0..self.layers[0].mesh.columns {
-            let at = self.film_local(column, unknowns);
-            let local = self.film_local(column, change);
-            let terms =
-                self.film.element(self.film_length(column), &at, inputs.sliding_speed, &self.mass_rate(rates, column));
+            let local = self.film_local(column, unknowns);
+            let rate = self.mass_rate(rates, column);
+            let terms = self.film.element(self.film_length(column), &local, inputs.sliding_speed, &rate);
             for a in 0..3 {
                 let number = self.layout.pressure[0][(2 * column + a) * levels];
                 if number != FIXED {
-                    let along: f64 = terms.tangent[a].iter().zip(local).map(|(t, c)| t * c).sum();
-                    values[number as usize] += (along + terms.by_speed[a] * sliding) / self.copies();
+                    values[number as usize] += terms.by_speed[a] * direction.sliding_speed / self.copies();
                 }
             }
         }
     }
 
     /// Fluid that flows from the bodies into the film at each station, V times weight [m^2/s], from the film's balance; and its
-    /// derivative along a change of the unknowns and of the sliding speed.
-    pub fn film_outflow(
-        &self,
-        unknowns: &[f64],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-        change: &[f64],
-        sliding: f64,
-    ) -> Vec<[f64; 2]> {
+    /// change.
+    pub fn film_outflow(&self, at: At<'_>, change: &Change) -> Vec<[f64; 2]> {
         let mut outflow = vec![[0.0; 2]; self.stations.len()];
         for column in 0..self.layers[0].mesh.columns {
-            let at = self.film_local(column, unknowns);
-            let local = self.film_local(column, change);
-            let terms =
-                self.film.element(self.film_length(column), &at, inputs.sliding_speed, &self.mass_rate(rates, column));
+            let values = self.film_local(column, at.unknowns);
+            let local = self.film_local(column, &change.unknowns);
+            let length = self.film_length(column);
+            let terms = self.film.element(length, &values, at.inputs.sliding_speed, &self.mass_rate(at.rates, column));
+            let stored = change.history.as_ref().map_or([0.0; 3], |h| self.film.storage(length, &h.film[column]));
             for a in 0..3 {
                 let along: f64 = terms.tangent[a].iter().zip(local).map(|(t, c)| t * c).sum();
                 outflow[2 * column + a][0] += terms.residual[a];
-                outflow[2 * column + a][1] += along + terms.by_speed[a] * sliding;
+                outflow[2 * column + a][1] += along + stored[a] + terms.by_speed[a] * change.inputs.sliding_speed;
             }
         }
         outflow
+    }
+}
+
+/// Adds matrix times vector.
+fn add_product(matrix: &[f64; LOCAL * LOCAL], vector: &Local, sum: &mut Local) {
+    for (column, value) in matrix.chunks_exact(LOCAL).zip(vector) {
+        if *value != 0.0 {
+            sum.iter_mut().zip(column).for_each(|(s, m)| *s += m * value);
+        }
     }
 }

@@ -64,4 +64,25 @@ impl System {
         }
         (displacement.1 / displacement.0).max(pressure.1 / pressure.0).max(gap)
     }
+
+    /// Root mean square of a small change relative to the fields, the largest of displacements, pressures and gaps: displacements
+    /// and pressures to their largest values, gaps each to itself. One station that enters or leaves the contact counts as one.
+    pub fn mean_relative_size(&self, unknowns: &[f64], change: &[f64]) -> f64 {
+        // What is below a millionth of the layer's thickness or modulus is no displacement or pressure to speak of.
+        let mut fields = [(1e-6 * self.thickness, 0.0, 0.0), (1e-6 * self.stress_scale, 0.0, 0.0), (1.0, 0.0, 0.0)];
+        for ((value, change), quantity) in unknowns.iter().zip(change).zip(&self.layout.quantities) {
+            let (field, largest, change) = match quantity {
+                Quantity::Displacement => (0, value.abs(), *change),
+                Quantity::Pressure => (1, value.abs(), *change),
+                Quantity::Gap => (2, 1.0, change / (value.abs() + THIN_FILM * self.thickness)),
+            };
+            let (scale, sum, count) = &mut fields[field];
+            *scale = largest.max(*scale);
+            *sum += change * change;
+            *count += 1.0;
+        }
+        let means = fields.map(|(scale, sum, count): (f64, f64, f64)| (sum / count.max(1.0)).sqrt() / scale);
+        // `max` would pass over a NaN.
+        if means.iter().all(|mean| mean.is_finite()) { means.into_iter().fold(0.0, f64::max) } else { f64::INFINITY }
+    }
 }

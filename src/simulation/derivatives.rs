@@ -1,0 +1,148 @@
+//! Derivatives of a state: by the inputs of its last step, and by time.
+
+use super::bodies::{Bodies, Point};
+use super::transient::{self, Motion};
+use super::{Input, Path, State};
+use crate::equations::system::{Change, Contents, Direction, Rates};
+use crate::outputs::{Outputs, Solved};
+use crate::parameters::Control;
+
+/// Derivatives of the results of a state.
+#[derive(Debug)]
+pub(super) struct Derivatives {
+    /// By the inputs, in the order of [`Input::ALL`].
+    pub by_input: Vec<Outputs>,
+    /// By the penetration depth, whether or not that is given.
+    pub by_depth: Outputs,
+}
+
+/// What is asked of a solution: a change of inputs and history, and of the load where that is given.
+struct Cause {
+    direction: Direction,
+    load: f64,
+    history: Option<Contents>,
+}
+
+/// Changes of a solution with their causes, and last that with the depth. The tangent is factorised first.
+fn changes(
+    bodies: &mut Bodies,
+    point: &Point,
+    rates: Option<&Rates>,
+    causes: Vec<Cause>,
+) -> Result<Vec<Change>, String> {
+    bodies.factorise(point, rates).map_err(|singular| singular.to_string())?;
+    let loaded = bodies.parameters.control == Control::Load;
+    let system = bodies.system(point.mirrored);
+    let loads: Vec<f64> = causes.iter().map(|cause| cause.load).collect();
+    let given = |cause: Cause| {
+        let depth = if loaded { 0.0 } else { cause.direction.penetration_depth };
+        (Direction { penetration_depth: depth, ..cause.direction }, cause.history)
+    };
+    let causes = causes.into_iter().map(given).chain([(Direction::UNIT[0], None)]).collect();
+    let mut changes = system.respond(point.at(rates), causes).map_err(|singular| singular.to_string())?;
+    if let (true, Some((by_depth, others))) = (loaded, changes.split_last_mut()) {
+        // The depth follows so that the load changes as it is told to.
+        let stiffness = system.load(&by_depth.unknowns, &by_depth.contact_forces);
+        for (change, load) in others.iter_mut().zip(loads) {
+            let approach = (load - system.load(&change.unknowns, &change.contact_forces)) / stiffness;
+            change.inputs.penetration_depth = approach;
+            let add = |values: &mut [f64], slope: &[f64]| {
+                values.iter_mut().zip(slope).for_each(|(value, slope)| *value += approach * slope);
+            };
+            add(&mut change.unknowns, &by_depth.unknowns);
+            add(&mut change.contact_forces, &by_depth.contact_forces);
+        }
+    }
+    Ok(changes)
+}
+
+/// Derivatives of the results, from changes of their solution that end with that by the depth.
+fn results(bodies: &mut Bodies, point: &Point, rates: Option<&Rates>, changes: &[Change]) -> Vec<Outputs> {
+    let parameters = bodies.parameters;
+    let solved = Solved { system: bodies.system(point.mirrored), parameters: &parameters, at: point.at(rates) };
+    changes.iter().map(|change| solved.derivatives(change)).collect()
+}
+
+/// By the inputs during the last step, held as they were but for a constant difference: derivatives of the steady state, or of the
+/// discrete step in time with its internal steps.
+pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Derivatives, String> {
+    let cause = |input: &Input, time: f64, history: Option<Contents>| {
+        let (direction, load) = state.drive.change(*input, time);
+        Cause { direction, load, history }
+    };
+    let mut outputs = match &state.path {
+        Path::Steady(_) => {
+            let causes = Input::ALL.iter().map(|input| cause(input, state.duration, None)).collect();
+            let changes = changes(bodies, &state.point, None, causes)?;
+            results(bodies, &state.point, None, &changes)
+        }
+        Path::Transient(motion) => {
+            let count = Input::ALL.len();
+            // Changes of what is stored before the internal step, and of its rates in the first stage.
+            let (mut stored, mut first): (Vec<Contents>, Vec<Contents>) = (Vec::new(), Vec::new());
+            let (mut outputs, mut left) = (Vec::new(), 2 * motion.last.steps.len());
+            transient::replay(bodies, &motion.last, &state.drive, |bodies, stage, time| {
+                let nothing = stage.rate.scaled(0.0);
+                let causes = Input::ALL.iter().enumerate().map(|(k, input)| {
+                    let before = stored.get(k).unwrap_or(&nothing);
+                    cause(input, time, Some(transient::history(&stage.formula, before, first.get(k))))
+                });
+                let causes = causes.collect();
+                let changes = changes(bodies, &stage.point, Some(&stage.rates), causes)?;
+                let system = bodies.system(stage.point.mirrored);
+                let contents = changes[..count].iter().map(|change| {
+                    let Point { unknowns, inputs, .. } = &stage.point;
+                    system.contents_change(unknowns, inputs, &change.unknowns, change.inputs.penetration_depth)
+                });
+                let contents: Vec<Contents> = contents.collect();
+                if first.is_empty() {
+                    let rate = |(contents, change): (&Contents, &Change)| {
+                        change.history.as_ref().unwrap_or(&nothing).combined(1.0, stage.formula.present, contents)
+                    };
+                    first = contents.iter().zip(&changes).map(rate).collect();
+                } else {
+                    stored = contents;
+                    first.clear();
+                }
+                left -= 1;
+                if left == 0 {
+                    outputs = results(bodies, &stage.point, Some(&stage.rates), &changes);
+                }
+                Ok(())
+            })?;
+            outputs
+        }
+    };
+    let by_depth = outputs.pop().ok_or("the last step had no length")?;
+    Ok(Derivatives { by_input: outputs, by_depth })
+}
+
+/// By time at the end of the last step, with the inputs going on at their rates.
+pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, String> {
+    let direction = state.drive.rates_at(state.duration);
+    let load = state.drive.rates.applied_load;
+    let point = &state.point;
+    let (changes, rates) = match &state.path {
+        Path::Steady(_) => (changes(bodies, point, None, vec![Cause { direction, load, history: None }])?, None),
+        Path::Transient(motion) => {
+            // The rates of what is stored are known, and all other equations hold at all times: the unknowns move as in a step
+            // of backward Euler that is too short for flow to matter.
+            let step = 1e-3 * shortest(motion);
+            let Point { unknowns, inputs, mirrored, .. } = point;
+            let contents = bodies.system(*mirrored).contents(unknowns, inputs);
+            let rates = Rates { rate: 1.0 / step, history: motion.rate.combined(1.0, -1.0 / step, &contents) };
+            let history = Some(motion.rate.scaled(-1.0 / step));
+            let mut changes = changes(bodies, point, Some(&rates), vec![Cause { direction, load, history }])?;
+            // What leaves the tissue into the film also changes with the rate of the film's mass.
+            let film = Contents { volume: Vec::new(), film: motion.trend.film.clone() };
+            changes.iter_mut().for_each(|change| change.history = Some(film.clone()));
+            (changes, Some(motion.rates()))
+        }
+    };
+    let mut outputs = results(bodies, point, rates.as_ref(), &changes[..1]);
+    outputs.pop().ok_or_else(|| "there is nothing to differentiate".into())
+}
+
+fn shortest(motion: &Motion) -> f64 {
+    motion.last.steps.iter().copied().fold(f64::INFINITY, f64::min)
+}

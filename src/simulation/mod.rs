@@ -1,0 +1,321 @@
+//! One contact, driven by its inputs: the object that the command line, the FMU and Rust programs use.
+
+mod bodies;
+mod derivatives;
+mod drive;
+mod steady;
+mod transient;
+
+use serde::{Deserialize, Serialize};
+
+use self::bodies::{Bodies, Point};
+use self::derivatives::Derivatives;
+pub use self::drive::Drive;
+use self::steady::{Steady, Tangent};
+use self::transient::Motion;
+use crate::equations::system::{System, half_width};
+use crate::error::Error;
+use crate::fields::{Fields, Solution};
+use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
+use crate::parameters::{Inputs, Parameters, TimeIntegration};
+
+/// The continuous inputs, in the order of the derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Input {
+    /// [`Inputs::penetration_depth`].
+    PenetrationDepth,
+    /// [`Inputs::sliding_speed`].
+    SlidingSpeed,
+    /// [`Inputs::slide_to_roll_ratio`].
+    SlideToRollRatio,
+    /// [`Inputs::approach_speed`].
+    ApproachSpeed,
+    /// [`Inputs::applied_load`].
+    AppliedLoad,
+}
+
+impl Input {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::PenetrationDepth, Self::SlidingSpeed, Self::SlideToRollRatio, Self::ApproachSpeed, Self::AppliedLoad];
+}
+
+/// The whole state of a [`Simulation`]: going on from it gives the same bits as going on from where it was taken.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot(Option<State>);
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct State {
+    point: Point,
+    iterations: i32,
+    /// What the inputs did in the last step, and how long that was [s].
+    drive: Drive,
+    duration: f64,
+    path: Path,
+}
+
+/// How a state was reached, for the next one and for derivatives.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+enum Path {
+    Steady(Option<Tangent>),
+    Transient(Box<Motion>),
+}
+
+/// Two cartilage layers with a film between them.
+#[derive(Debug)]
+pub struct Simulation {
+    bodies: Bodies,
+    state: Option<State>,
+    inputs: Inputs,
+    outputs: Outputs,
+    position: Vec<f64>,
+    /// Of the present state, once they were asked for.
+    derivatives: Option<Derivatives>,
+    rates: Option<Outputs>,
+}
+
+impl Simulation {
+    /// Meshes the two bodies. Nothing is solved yet; the outputs are zero.
+    ///
+    /// # Errors
+    /// [`Error::Value`] where a parameter is out of range.
+    pub fn new(parameters: &Parameters) -> Result<Self, Error> {
+        parameters.validate()?;
+        Ok(Self {
+            bodies: Bodies::new(parameters),
+            state: None,
+            inputs: Inputs::default(),
+            outputs: nothing(),
+            position: profile_stations(half_width(parameters)),
+            derivatives: None,
+            rates: None,
+        })
+    }
+
+    /// Works on up to this many threads; on one unless told otherwise. The results are the same bits.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.bodies.set_threads(threads);
+    }
+
+    /// The parameters it was made with.
+    pub fn parameters(&self) -> &Parameters {
+        &self.bodies.parameters
+    }
+
+    /// The inputs of the last solution.
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
+    }
+
+    /// Finds the steady state for these inputs, starting from the present state. Under [`crate::parameters::Control::Load`] the depth
+    /// is found with it.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for inputs that are not finite or a load that no film carries, [`Error::NotConverged`] where no solution
+    /// was found; either way the state is what it was before.
+    pub fn solve_steady(&mut self, inputs: Inputs) -> Result<(), Error> {
+        self.steady(Drive::constant(inputs), 0.0)
+    }
+
+    /// Goes on for a step of this length [s]: in time, or to the steady state of the inputs at its end, as the parameter
+    /// `time_integration` says. The first state in time is the steady one of the inputs at the start.
+    ///
+    /// # Errors
+    /// As [`Simulation::solve_steady`]; also [`Error::Value`] for a length that is not positive.
+    pub fn advance(&mut self, drive: Drive, duration: f64) -> Result<(), Error> {
+        if !(duration.is_finite() && duration > 0.0) {
+            return Err(Error::value("the length of the step", duration, "a positive number of seconds"));
+        }
+        if self.parameters().time_integration == TimeIntegration::QuasiSteady {
+            return self.steady(drive, duration);
+        }
+        for inputs in [drive.inputs, drive.at(duration)] {
+            check(&inputs)?;
+        }
+        if self.state.is_none() {
+            self.solve_steady(drive.inputs)?;
+        }
+        let Some(state) = &self.state else { return Ok(()) };
+        let motion = match &state.path {
+            Path::Steady(_) => None,
+            Path::Transient(motion) => Some(&**motion),
+        };
+        let (point, motion, iterations) = transient::advance(&mut self.bodies, &state.point, motion, &drive, duration)?;
+        self.accept(State {
+            point,
+            iterations: iterations as i32,
+            drive,
+            duration,
+            path: Path::Transient(Box::new(motion)),
+        });
+        Ok(())
+    }
+
+    fn steady(&mut self, drive: Drive, duration: f64) -> Result<(), Error> {
+        let inputs = drive.at(duration);
+        check(&inputs)?;
+        let from = self.state.as_ref().map(|state| Steady {
+            point: state.point.clone(),
+            tangent: match &state.path {
+                Path::Steady(tangent) => tangent.clone(),
+                Path::Transient(_) => None,
+            },
+        });
+        let mut iterations = 0;
+        let Steady { point, tangent } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
+        self.accept(State { point, iterations: iterations as i32, drive, duration, path: Path::Steady(tangent) });
+        Ok(())
+    }
+
+    /// Makes a converged state the present one.
+    fn accept(&mut self, state: State) {
+        let parameters = self.bodies.parameters;
+        let rates = match &state.path {
+            Path::Steady(_) => None,
+            Path::Transient(motion) => Some(motion.rates()),
+        };
+        let system = self.bodies.system(state.point.mirrored);
+        let solved = Solved { system, parameters: &parameters, at: state.point.at(rates.as_ref()) };
+        self.outputs = solved.outputs();
+        self.outputs.newton_iterations = state.iterations;
+        self.inputs = state.drive.at(state.duration);
+        self.state = Some(state);
+        (self.derivatives, self.rates) = (None, None);
+    }
+
+    /// Results of the last solution.
+    pub fn outputs(&self) -> &Outputs {
+        &self.outputs
+    }
+
+    fn differentiated(&mut self) -> Result<&Derivatives, Error> {
+        let Some(state) = &self.state else { return Err(unsolved()) };
+        match &mut self.derivatives {
+            Some(derivatives) => Ok(derivatives),
+            slot => Ok(slot.insert(derivatives::by_inputs(&mut self.bodies, state).map_err(Error::State)?)),
+        }
+    }
+
+    /// Derivatives of the results with respect to one input, held at another value during the last step: of the steady state, or of
+    /// the discrete step in time. Found when they are first asked for, at the cost of a Newton iteration or, in time, of the step.
+    /// The fields that are not continuous (regime, iterations) are meaningless there.
+    ///
+    /// # Errors
+    /// [`Error::State`] where nothing was solved yet.
+    pub fn derivatives(&mut self, input: Input) -> Result<&Outputs, Error> {
+        Ok(&self.differentiated()?.by_input[input as usize])
+    }
+
+    /// Rate of change of the normal force with the penetration depth [N/m].
+    ///
+    /// # Errors
+    /// As [`Simulation::derivatives`].
+    pub fn contact_stiffness(&mut self) -> Result<f64, Error> {
+        Ok(self.differentiated()?.by_depth.normal_force)
+    }
+
+    /// Derivatives of the results with respect to time at the end of the last step, the inputs going on at their rates.
+    ///
+    /// # Errors
+    /// As [`Simulation::derivatives`].
+    pub fn rates(&mut self) -> Result<&Outputs, Error> {
+        let Some(state) = &self.state else { return Err(unsolved()) };
+        match &mut self.rates {
+            Some(rates) => Ok(rates),
+            slot => Ok(slot.insert(derivatives::by_time(&mut self.bodies, state).map_err(Error::State)?)),
+        }
+    }
+
+    /// The fixed stations of the profiles [m], [`STATIONS`] of them, ascending.
+    pub fn position(&self) -> &[f64] {
+        &self.position
+    }
+
+    /// Fields of the last solution over both bodies and along the interface; `None` before anything was solved.
+    pub fn fields(&self) -> Option<Fields> {
+        let State { point, path, .. } = self.state.as_ref()?;
+        let rates = match path {
+            Path::Steady(_) => None,
+            Path::Transient(motion) => Some(motion.rates()),
+        };
+        let system = self.bodies.made(point.mirrored)?;
+        let Point { inputs, unknowns, active, .. } = point;
+        let parameters = self.parameters();
+        let solution = Solution { system, parameters, inputs, unknowns, active, rates: rates.as_ref() };
+        // A state was accepted only with all elements the right way out.
+        solution.fields().ok()
+    }
+
+    /// Number of unknowns of the present state's equations, or of those that would be solved first.
+    pub fn unknowns(&self) -> usize {
+        let mirrored = self.state.as_ref().map_or(self.bodies.equal(), |state| state.point.mirrored);
+        self.bodies.made(mirrored).map_or(0, System::unknowns)
+    }
+
+    /// A copy of the state.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot(self.state.clone())
+    }
+
+    /// Returns to a state taken from this simulation or from one with equal parameters.
+    ///
+    /// # Errors
+    /// [`Error::State`] where the snapshot does not fit; the state is then unchanged.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        let Some(state) = &snapshot.0 else {
+            self.state = None;
+            (self.inputs, self.outputs) = (Inputs::default(), nothing());
+            (self.derivatives, self.rates) = (None, None);
+            return Ok(());
+        };
+        if state.point.mirrored && !self.bodies.equal() {
+            return Err(Error::State("it is of two equal bodies, and these are not".into()));
+        }
+        let (expected, stations) = {
+            let system = self.bodies.system(state.point.mirrored);
+            (system.unknowns(), system.stations.len())
+        };
+        if !state.fits(expected, stations) {
+            let given = state.point.unknowns.len();
+            return Err(Error::State(format!("it has {given} unknowns, this mesh {expected}")));
+        }
+        self.accept(state.clone());
+        Ok(())
+    }
+}
+
+impl State {
+    fn fits(&self, unknowns: usize, stations: usize) -> bool {
+        let fits = |point: &Point| {
+            point.mirrored == self.point.mirrored
+                && point.unknowns.len() == unknowns
+                && point.active.len() == stations
+                && point.contact_forces.len() == stations
+        };
+        fits(&self.point)
+            && match &self.path {
+                Path::Steady(tangent) => tangent.as_ref().is_none_or(|tangent| tangent.fits(unknowns)),
+                Path::Transient(motion) => motion.fits(unknowns, (stations - 1) / 2) && fits(&motion.last.start),
+            }
+    }
+}
+
+fn unsolved() -> Error {
+    Error::State("nothing has been solved yet".into())
+}
+
+fn nothing() -> Outputs {
+    Outputs {
+        film_thickness: vec![0.0; STATIONS],
+        fluid_pressure: vec![0.0; STATIONS],
+        contact_pressure: vec![0.0; STATIONS],
+        ..Outputs::default()
+    }
+}
+
+fn check(inputs: &Inputs) -> Result<(), Error> {
+    match inputs.named().into_iter().find(|(_, value)| !value.is_finite()) {
+        Some((name, value)) => Err(Error::value(name, value, "a finite number")),
+        None => Ok(()),
+    }
+}

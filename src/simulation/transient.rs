@@ -1,0 +1,314 @@
+//! Steps in time by [`runge_kutta`], with internal steps of their own choice.
+//!
+//! A one-step method, because inputs may jump wherever the importer sets them: what is stored (J of the tissue, r h of the
+//! film) goes on from where it was, and nothing older matters. Internal steps are the communication step halved again and
+//! again, so that a small change of the inputs does not change them.
+
+use serde::{Deserialize, Serialize};
+
+use super::bodies::{Bodies, Point, Task};
+use super::drive::Drive;
+use crate::equations::system::{Contents, Rates};
+use crate::error::Error;
+use crate::parameters::{Control, Inputs};
+use crate::solver::newton;
+use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
+
+/// Most Newton iterations of a stage; where it takes more, a shorter step is the better way.
+const ITERATIONS: usize = 12;
+/// Newton's method keeps a factorisation while each update is at most this share of the one before.
+const REUSE: f64 = 0.2;
+/// Internal steps are no shorter than the communication step over two to this power.
+const HALVINGS: i32 = 40;
+
+/// How the unknowns move, from the last two stages: where to start looking for the next.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Trend {
+    /// Rates of change of the unknowns; empty where nothing is known.
+    unknowns: Vec<f64>,
+    penetration_depth: f64,
+    /// How fast the rate of the film's mass changes [m/s^2].
+    pub film: Vec<[f64; 3]>,
+}
+
+/// What a transient state has beside its solution.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Motion {
+    /// Rates of change of what is stored, at the end.
+    pub rate: Contents,
+    pub trend: Trend,
+    /// Length of the next internal step [s].
+    suggestion: f64,
+    /// How the last communication step went, for its derivatives.
+    pub last: LastStep,
+}
+
+impl Motion {
+    /// The rates as a difference formula.
+    pub fn rates(&self) -> Rates {
+        Rates { rate: 0.0, history: self.rate.clone() }
+    }
+
+    /// Whether it is of equations with so many unknowns.
+    pub fn fits(&self, unknowns: usize, columns: usize) -> bool {
+        let trend = |trend: &Trend| trend.unknowns.is_empty() || trend.unknowns.len() == unknowns;
+        trend(&self.trend) && trend(&self.last.trend) && self.rate.film.len() == columns
+    }
+}
+
+/// The course of a communication step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct LastStep {
+    pub start: Point,
+    trend: Trend,
+    /// Lengths of its internal steps [s].
+    pub steps: Vec<f64>,
+}
+
+/// A stage: its solution, and the difference formula that it satisfies.
+pub(super) struct Stage {
+    pub formula: runge_kutta::Stage,
+    pub point: Point,
+    pub rates: Rates,
+    /// Rates of change of what is stored.
+    pub rate: Contents,
+    contents: Contents,
+}
+
+/// The rest of a stage's difference formula. Linear in what was stored before and in the rates of the first stage: changes
+/// follow the same formula.
+pub(super) fn history(stage: &runge_kutta::Stage, before: &Contents, first: Option<&Contents>) -> Contents {
+    before.combined(stage.before, stage.first, first.unwrap_or(before))
+}
+
+/// Where a march is.
+struct Walker {
+    point: Point,
+    contents: Contents,
+    trend: Trend,
+    iterations: usize,
+}
+
+impl Walker {
+    fn new(bodies: &mut Bodies, start: &LastStep) -> Self {
+        let point = start.start.clone();
+        let contents = bodies.system(point.mirrored).contents(&point.unknowns, &point.inputs);
+        Self { point, contents, trend: start.trend.clone(), iterations: 0 }
+    }
+
+    /// Both stages of an internal step; `visit` is told of each with the time from the start of the march.
+    fn stages(
+        &mut self,
+        bodies: &mut Bodies,
+        drive: &Drive,
+        time: f64,
+        step: f64,
+        mut visit: impl FnMut(&mut Bodies, &Stage, f64) -> Result<(), String>,
+    ) -> Result<[Stage; 2], String> {
+        let [formula, last] = runge_kutta::stages(step);
+        let end = time + formula.time;
+        let first = self.stage(bodies, None, &drive.at(end), formula)?;
+        visit(bodies, &first, end)?;
+        let end = time + last.time;
+        let second = self.stage(bodies, Some(&first), &drive.at(end), last)?;
+        visit(bodies, &second, end)?;
+        Ok([first, second])
+    }
+
+    fn stage(
+        &mut self,
+        bodies: &mut Bodies,
+        first: Option<&Stage>,
+        inputs: &Inputs,
+        formula: runge_kutta::Stage,
+    ) -> Result<Stage, String> {
+        let parameters = bodies.parameters;
+        let later = formula.time - first.map_or(0.0, |first| first.formula.time);
+        let mut guess = first.map_or(&self.point, |first| &first.point).clone();
+        let system = bodies.system(guess.mirrored);
+        if !self.trend.unknowns.is_empty() {
+            let update: Vec<f64> = self.trend.unknowns.iter().map(|rate| -later * rate).collect();
+            system.apply(&mut guess.unknowns, &update, &guess.active);
+        }
+        let followed = guess.inputs.penetration_depth + later * self.trend.penetration_depth;
+        match parameters.control {
+            Control::Depth => system.compress(&mut guess.unknowns, inputs.penetration_depth - followed),
+            Control::Load => guess.inputs.penetration_depth = followed,
+        }
+        let history = history(&formula, &self.contents, first.map(|first| &first.rate));
+        let rates = Rates { rate: formula.present, history };
+        let settings =
+            newton::Settings { tolerance: parameters.tolerance, maximum_iterations: ITERATIONS, reuse: REUSE };
+        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings };
+        let (point, iterations) = bodies.settle(guess, &task);
+        self.iterations += iterations;
+        let point = point?;
+        let contents = bodies.system(point.mirrored).contents(&point.unknowns, &point.inputs);
+        let rate = rates.of(&contents);
+        Ok(Stage { formula, point, rates, rate, contents })
+    }
+
+    fn accept(&mut self, [first, second]: [Stage; 2], step: f64) -> Contents {
+        let between = (1.0 - GAMMA) * step;
+        let slope = |(before, after): (&f64, &f64)| (after - before) / between;
+        self.trend = Trend {
+            unknowns: first.point.unknowns.iter().zip(&second.point.unknowns).map(slope).collect(),
+            penetration_depth: slope((&first.point.inputs.penetration_depth, &second.point.inputs.penetration_depth)),
+            film: second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film,
+        };
+        self.point = second.point;
+        self.contents = second.contents;
+        second.rate
+    }
+}
+
+/// Goes on for a communication step. Returns the state at its end and the Newton iterations spent.
+pub(super) fn advance(
+    bodies: &mut Bodies,
+    from: &Point,
+    motion: Option<&Motion>,
+    drive: &Drive,
+    duration: f64,
+) -> Result<(Point, Motion, usize), Error> {
+    let mut start = LastStep {
+        start: from.clone(),
+        trend: motion.map(|motion| motion.trend.clone()).unwrap_or_default(),
+        steps: Vec::new(),
+    };
+    let mut rate = motion.map(|motion| motion.rate.clone());
+    let suggestion = motion.map_or(duration, |motion| motion.suggestion);
+    let mut spent = 0;
+    let mut apart = !(bodies.may_mirror(&drive.at(0.0)) && bodies.may_mirror(&drive.at(duration)));
+    loop {
+        if apart && start.start.mirrored {
+            separate(bodies, &mut start, &mut rate);
+        }
+        let (result, iterations) = march(bodies, &start, rate.clone(), drive, duration, suggestion);
+        spent += iterations;
+        match result {
+            Ok((point, motion)) => return Ok((point, motion, spent)),
+            // Friction pulls the bodies apart sideways: the step starts anew with both of them.
+            Err(Stop::Dragged) => apart = true,
+            Err(Stop::Stuck { time, reason }) => {
+                return Err(Error::NotConverged {
+                    requested: format!("the end of a step of {duration} s ({})", drive.at(duration)),
+                    reached: format!("{time:e} s ({})", drive.at(time)),
+                    fraction: time / duration,
+                    reason,
+                });
+            }
+        }
+    }
+}
+
+/// From a mirrored pair to two bodies.
+fn separate(bodies: &mut Bodies, start: &mut LastStep, rate: &mut Option<Contents>) {
+    if !start.trend.unknowns.is_empty() {
+        start.trend.unknowns = bodies.converted_values(&start.trend.unknowns, false);
+    }
+    start.start = bodies.converted(start.start.clone(), false);
+    if let Some(rate) = rate {
+        rate.volume.extend_from_within(..);
+    }
+}
+
+/// Why a march ended early.
+enum Stop {
+    Dragged,
+    Stuck { time: f64, reason: String },
+}
+
+fn march(
+    bodies: &mut Bodies,
+    start: &LastStep,
+    mut rate: Option<Contents>,
+    drive: &Drive,
+    duration: f64,
+    suggestion: f64,
+) -> (Result<(Point, Motion), Stop>, usize) {
+    let longest = bodies.parameters.maximum_internal_step;
+    let shortest = f64::from(-HALVINGS).exp2();
+    let mut walker = Walker::new(bodies, start);
+    let (mut done, mut wanted, mut steps) = (0.0, suggestion, Vec::new());
+    while done < 1.0 {
+        let share = share_of_step(done, (1.2 * wanted).min(longest) / duration);
+        let (time, step) = (done * duration, share * duration);
+        let stuck = |reason| Stop::Stuck { time, reason };
+        match walker.stages(bodies, drive, time, step, |_, _, _| Ok(())) {
+            Ok([_, second]) if second.point.mirrored && bodies.drags(&second.point) => {
+                return (Err(Stop::Dragged), walker.iterations);
+            }
+            Ok(stages) => {
+                let factor = match growth(bodies, &stages, rate.as_ref()) {
+                    Ok(factor) => factor,
+                    Err(reason) => return (Err(stuck(reason)), walker.iterations),
+                };
+                if factor < 1.0 && share > shortest {
+                    wanted = step * (0.9 * factor).clamp(0.1, 0.4);
+                    continue;
+                }
+                rate = Some(walker.accept(stages, step));
+                steps.push(step);
+                done += share;
+                wanted = step * (0.9 * factor).min(4.0);
+            }
+            Err(_) if share > shortest => wanted = 0.2 * step,
+            Err(reason) => return (Err(stuck(reason)), walker.iterations),
+        }
+    }
+    let Walker { point, trend, iterations, .. } = walker;
+    let last = LastStep { steps, ..start.clone() };
+    let motion = rate.map(|rate| Motion { rate, trend, suggestion: wanted, last });
+    let end = motion.map(|motion| (point, motion));
+    (end.ok_or_else(|| Stop::Stuck { time: 0.0, reason: "the step has no length".into() }), iterations)
+}
+
+/// The next internal step as a share of the communication step: one over a power of two, not above `most`, and ending where
+/// steps of that length end.
+fn share_of_step(done: f64, most: f64) -> f64 {
+    let mut share = most.min(1.0).log2().floor().exp2();
+    // Exact: both are sums of powers of two.
+    while (done / share).fract() != 0.0 {
+        share *= 0.5;
+    }
+    share
+}
+
+/// By how much the step could have been longer for the error that is allowed; below 1 it was too long.
+fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Contents>) -> Result<f64, String> {
+    let allowed = bodies.parameters.relative_tolerance;
+    let system = bodies.system(second.point.mirrored);
+    let size = |error: Contents| {
+        let mut update = vec![0.0; system.unknowns()];
+        system.add_storage(&second.point.unknowns, &second.point.inputs, &error, &mut update);
+        system.solve(&mut update).map_err(|singular| singular.to_string())?;
+        Ok::<_, String>((system.mean_relative_size(&second.point.unknowns, &update) / allowed).max(1e-9))
+    };
+    // Against the method of first order that goes on with the rates of the first stage; the error in what is stored is this
+    // times gamma times the step, which the tangent divides by again.
+    let change = second.rate.combined(1.0, -1.0, &first.rate);
+    let by_first_order = size(change.clone())?.powf(-1.0 / 2.0);
+    // Where the motion is smooth the error of the method itself is less: its error constant times the third derivative, from
+    // divided differences of the rates at the start and at the two stages.
+    let Some(before) = before else { return Ok(by_first_order) };
+    let earlier = first.rate.combined(1.0, -1.0, before);
+    let error = change.combined(1.0 / (1.0 - GAMMA), -1.0 / GAMMA, &earlier).scaled(2.0 * ERROR_CONSTANT / GAMMA);
+    Ok(by_first_order.max(size(error)?.powf(-1.0 / 3.0)))
+}
+
+/// Takes the course of a communication step again; `visit` is told of each stage with its time.
+pub(super) fn replay(
+    bodies: &mut Bodies,
+    last: &LastStep,
+    drive: &Drive,
+    mut visit: impl FnMut(&mut Bodies, &Stage, f64) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut walker = Walker::new(bodies, last);
+    let mut time = 0.0;
+    for step in &last.steps {
+        let stages = walker.stages(bodies, drive, time, *step, &mut visit)?;
+        walker.accept(stages, *step);
+        time += step;
+    }
+    Ok(())
+}
