@@ -1,4 +1,4 @@
-//! Squeeze films of the whole program: two layers so stiff and tight that they are rigid and impermeable, in time.
+//! Squeeze films of the whole program in time: two layers so stiff that they are rigid, whose pores take no part.
 //!
 //! The closed forms are those of the parabola h = h0 + x^2/2R between ends where p = 0, at x = +-half_width:
 //! p = 6 eta R v (1/h^2 - 1/h_end^2), v the approach, and the load is its integral.
@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
-use cartilage_contact::parameters::{Body, Control, Inputs, Mesh, Parameters, TimeIntegration};
+use cartilage_contact::parameters::{Body, Control, Formulation, Inputs, Mesh, Parameters, TimeIntegration};
 use cartilage_contact::simulation::{Drive, Simulation};
 
 use crate::strip::orders;
@@ -15,10 +15,12 @@ const ETA: f64 = 1e-3;
 const R: f64 = 0.05;
 
 fn rigid(control: Control, relative_tolerance: f64, longest: f64) -> Simulation {
-    let body = Body { shear_modulus: 1e9, bulk_modulus: 1e9, permeability: 1e-24, ..Parameters::default().upper };
+    // Without Biot's coefficient the pores take no part.
+    let body = Body { shear_modulus: 1e9, bulk_modulus: 1e9, biot_coefficient: 0.0, ..Parameters::default().upper };
     let parameters = Parameters {
         upper: body,
         lower: body,
+        formulation: Formulation::Consistent,
         time_integration: TimeIntegration::Transient,
         control,
         relative_tolerance,
