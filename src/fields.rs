@@ -167,7 +167,7 @@ impl Solution<'_> {
         let tissue = &layer.tissue;
         for ((strain, slope), uses) in strains.into_iter().zip(slopes).zip(uses) {
             let strain = Strain::new(strain / uses);
-            let reference = -(conductance(tissue.mobility, &strain, tissue.consistent) * (slope / uses));
+            let reference = -(conductance(tissue.mobility_at(&strain).0, &strain, tissue.consistent) * (slope / uses));
             let flux = match tissue.consistent {
                 // Piola's transformation: what crosses a deformed area is F Q / J.
                 true => (Matrix2::identity() + strain.gradient) * reference / strain.volume_ratio(),

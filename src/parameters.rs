@@ -3,9 +3,12 @@
 //! [`PARAMETERS`] is the one table of names, units, ranges and descriptions. Case files, command-line flags and the FMU
 //! all read it, so a parameter has the same name everywhere. Values are SI.
 
+mod presets;
+
 use crate::error::Error;
-pub use crate::laws::Formulation;
+pub use crate::laws::{Formulation, PermeabilityLaw};
 use crate::units::Unit;
+pub use presets::{PRESETS, Preset, PresetRow, Tissue};
 
 /// One cartilage layer on its bone.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -18,10 +21,16 @@ pub struct Body {
     pub shear_modulus: f64,
     /// Drained bulk modulus [Pa].
     pub bulk_modulus: f64,
-    /// Intrinsic permeability [m^2].
+    /// Intrinsic permeability of the undeformed tissue [m^2].
     pub permeability: f64,
     /// Biot-Willis coefficient [1].
     pub biot_coefficient: f64,
+    /// Volume fraction of the solid in the undeformed tissue [1]; like the next two of [`PermeabilityLaw::HolmesMow`] only.
+    pub solid_volume_fraction: f64,
+    /// Exponent of the pore volume in the permeability [1].
+    pub permeability_exponent: f64,
+    /// Coefficient of the exponential in the permeability [1].
+    pub permeability_strain_coefficient: f64,
 }
 
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
@@ -96,6 +105,23 @@ pub struct Parameters {
     pub relative_tolerance: f64,
     /// Longest internal step in time [s].
     pub maximum_internal_step: f64,
+    /// How permeability answers to strain.
+    pub permeability_law: PermeabilityLaw,
+    /// Where the other values start from; to get these values, [`Preset::parameters`].
+    pub preset: Preset,
+    /// What [`Parameter::set`] was told so far.
+    pub named: Named,
+}
+
+/// Which parameters were set by name. These win over a preset, whichever is set first: importers of FMUs set values in an order
+/// of their own. How a value came about is no part of a case, so all of these compare as equal.
+#[derive(Debug, Clone, Copy, Default, serde::Serialize, serde::Deserialize)]
+pub struct Named(u64);
+
+impl PartialEq for Named {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Default for Parameters {
@@ -108,6 +134,10 @@ impl Default for Parameters {
             bulk_modulus: 5e6,
             permeability: 1e-15,
             biot_coefficient: 0.9,
+            solid_volume_fraction: 0.2,
+            permeability_exponent: 2.0,
+            // With the other two the slope at small strain of Holmes and Mow's own fit, M = 4.638 and L = 0.0848: 4.7.
+            permeability_strain_coefficient: 2.2,
         };
         Self {
             upper: body,
@@ -129,6 +159,9 @@ impl Default for Parameters {
             control: Control::Depth,
             relative_tolerance: 1e-3,
             maximum_internal_step: 1e3,
+            permeability_law: PermeabilityLaw::Constant,
+            preset: Preset::Paper,
+            named: Named::default(),
         }
     }
 }
@@ -284,8 +317,26 @@ impl Parameter {
         }
     }
 
-    /// Sets the value, or says what would have been allowed. On an error nothing changes.
+    /// Sets the value, or says what would have been allowed. On an error nothing changes. A preset changes every parameter but
+    /// those that were set before.
     pub fn set(&self, parameters: &mut Parameters, value: &Value) -> Result<(), Error> {
+        let mut changed = *parameters;
+        self.assign(&mut changed, value)?;
+        let mut named = parameters.named;
+        for (place, row) in PARAMETERS.into_iter().enumerate() {
+            let bit = 1 << place;
+            if self.name == PRESET && named.0 & bit != 0 {
+                row.assign(&mut changed, &row.get(parameters))?;
+            }
+            if self.name != PRESET && row.name == self.name {
+                named.0 |= bit;
+            }
+        }
+        *parameters = Parameters { named, ..changed };
+        Ok(())
+    }
+
+    fn assign(&self, parameters: &mut Parameters, value: &Value) -> Result<(), Error> {
         let refuse = || Err(Error::value(self.name, value, self.allowed()));
         match (&self.kind, value) {
             (Kind::Real { minimum, maximum, access, .. }, Value::Real(v)) => {
@@ -294,7 +345,7 @@ impl Parameter {
                 }
                 *access(parameters) = *v;
             }
-            (Kind::Real { .. }, Value::Integer(v)) => return self.set(parameters, &Value::Real(*v as f64)),
+            (Kind::Real { .. }, Value::Integer(v)) => return self.assign(parameters, &Value::Real(*v as f64)),
             (Kind::Integer { minimum, maximum, access }, Value::Integer(v)) => match i32::try_from(*v) {
                 Ok(v) if (*minimum..=*maximum).contains(&v) => *access(parameters) = v,
                 _ => return refuse(),
@@ -390,6 +441,12 @@ static BODY_ROWS: [Parameter; 12] = body_rows! {
     bulk_modulus, Unit::Pascal, 1e2, 1e10, 1e6, "Drained bulk modulus";
     permeability, Unit::SquareMetre, 1e-24, 1e-9, 1e-15, "Intrinsic permeability (hydraulic permeability times viscosity)";
     biot_coefficient, Unit::One, 0.0, 1.0, 1.0, "Biot-Willis coefficient";
+};
+
+static STRAIN_DEPENDENCE_ROWS: [Parameter; 6] = body_rows! {
+    solid_volume_fraction, Unit::One, 0.0, 0.9, 0.1, "Volume fraction of the solid in the undeformed tissue (permeability_law holmes_mow)";
+    permeability_exponent, Unit::One, 0.0, 10.0, 1.0, "Exponent L of the pore volume in the permeability (permeability_law holmes_mow)";
+    permeability_strain_coefficient, Unit::One, 0.0, 10.0, 1.0, "Coefficient M of the exponential in the permeability (permeability_law holmes_mow)";
 };
 
 const fn real(
@@ -566,13 +623,62 @@ static COMMON_ROWS: [Parameter; 20] = [
     ),
 ];
 
+/// The name of the one parameter that sets others.
+const PRESET: &str = "preset";
+
+static CHOICE_ROWS: [Parameter; 2] = [
+    Parameter {
+        name: "permeability_law",
+        unit: Unit::One,
+        description: "How permeability answers to strain",
+        kind: Kind::Choice {
+            items: &[
+                ("constant", "Permeability does not depend on strain"),
+                (
+                    "holmes_mow",
+                    "It falls with compression: k = k0 ((J - s)/(1 - s))^L exp(M (J^2 - 1)/2), J volume ratio",
+                ),
+            ],
+            get: |p| match p.permeability_law {
+                PermeabilityLaw::Constant => 0,
+                PermeabilityLaw::HolmesMow => 1,
+            },
+            set: |p, index| {
+                p.permeability_law = if index == 0 { PermeabilityLaw::Constant } else { PermeabilityLaw::HolmesMow };
+            },
+        },
+    },
+    Parameter {
+        name: PRESET,
+        unit: Unit::One,
+        description: "Values that all other parameters start from; those that are set by name win, whichever is set first",
+        kind: Kind::Choice {
+            items: &presets::ITEMS,
+            get: |p| p.preset as usize,
+            set: |p, index| {
+                if let Some(row) = PRESETS.get(index) {
+                    *p = row.preset.parameters();
+                }
+            },
+        },
+    },
+];
+
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 32] = {
-    let mut rows = [&BODY_ROWS[0]; 32];
-    let mut i = 0;
-    while i < 32 {
-        rows[i] = if i < 12 { &BODY_ROWS[i] } else { &COMMON_ROWS[i - 12] };
-        i += 1;
+pub static PARAMETERS: [&Parameter; 40] = {
+    let parts: [&[Parameter]; 4] = [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS];
+    let mut rows = [&BODY_ROWS[0]; 40];
+    let (mut part, mut first, mut place) = (0, 0, 0);
+    while place < rows.len() {
+        if place - first == parts[part].len() {
+            first = place;
+            part += 1;
+        }
+        rows[place] = &parts[part][place - first];
+        place += 1;
     }
     rows
 };
+
+/// [`Named`] has a bit for each.
+const _: () = assert!(PARAMETERS.len() <= u64::BITS as usize);

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use cartilage_contact::io::case::Case;
-use cartilage_contact::parameters::{Formulation, Parameters};
+use cartilage_contact::parameters::{Formulation, PRESETS, Parameters};
 use cartilage_contact::simulation::Simulation;
 use cartilage_contact::variables;
 
@@ -105,6 +105,36 @@ fn flags_win_over_the_case_which_wins_over_defaults() {
     assert_eq!(object["sliding_speed"].as_f64(), Some(0.3));
     let object = json(&format!("--case {path} --set sliding_speed=0.3 --sliding-speed 0.4"));
     assert_eq!(object["sliding_speed"].as_f64(), Some(0.4), "the named flag wins over --set");
+}
+
+#[test]
+fn a_preset_gives_way_to_the_case_and_to_flags() {
+    let (_folder, path) = case_file("preset = \"osteoarthritic\"\nsliding_speed = 0.1\nboth.shear_modulus = 0.4e6");
+    let load = |arguments: &str| json(arguments)["load"].as_f64().unwrap();
+    let of_flags =
+        |preset: &str| load(&format!("--preset {preset} --set both.shear_modulus=0.4e6 --sliding-speed 0.1"));
+    assert_eq!(load(&format!("--case {path}")), of_flags("osteoarthritic"));
+    assert_eq!(
+        load(&format!("--case {path} --preset human_normal")),
+        of_flags("human_normal"),
+        "the flag's preset wins"
+    );
+    assert_eq!(load(&format!("--case {path} --set preset=human_normal")), of_flags("human_normal"));
+    assert_ne!(of_flags("osteoarthritic"), of_flags("human_normal"));
+    let message = refused("solve --preset giraffe", 2);
+    assert!(message.contains("giraffe") && message.contains("human_tibial_plateau"), "{message}");
+}
+
+#[test]
+fn the_page_of_the_presets_has_their_tables() {
+    let page = std::fs::read_to_string("docs/presets.md").unwrap();
+    let tables = out(&run("presets"));
+    for row in PRESETS.iter() {
+        assert_eq!(tables.matches(&format!("\n| `{}` |", row.name)).count(), 2, "{}", row.name);
+    }
+    for line in tables.lines() {
+        assert!(page.contains(line), "docs/presets.md lacks what `cartilage-contact presets` prints: {line}");
+    }
 }
 
 #[test]

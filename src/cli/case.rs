@@ -3,13 +3,18 @@
 use std::path::PathBuf;
 
 use cartilage_contact::io::case::Case;
-use cartilage_contact::parameters::Value;
+use cartilage_contact::parameters::{PRESETS, Value};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::Failure;
 
 /// Where the case comes from.
 #[derive(clap::Args)]
 pub struct CaseArguments {
+    /// Parameters of a tissue to start from; `cartilage-contact presets` lists their values and sources
+    #[arg(long, value_name = "NAME", value_parser = preset_names())]
+    preset: Option<String>,
+
     /// Case file (TOML): keys are the names of the variables
     #[arg(long, value_name = "FILE.toml")]
     case: Option<PathBuf>,
@@ -20,13 +25,17 @@ pub struct CaseArguments {
 }
 
 impl CaseArguments {
-    /// Defaults, then the case file, then what was set.
+    /// The preset, then the case file, then what was set.
     pub fn load(&self) -> Result<Case, Failure> {
         let mut case = match &self.case {
             // A file that is not there is a mistake of whoever named it.
             Some(path) => Case::load(path).map_err(|error| Failure::Usage(error.to_string()))?,
             None => Case::default(),
         };
+        if let Some(name) = &self.preset {
+            // In place of the file's own preset; what the file sets by name stays.
+            case.set("preset", &Value::Text(name.clone()))?;
+        }
         for assignment in &self.set {
             let Some((name, value)) = assignment.split_once('=') else {
                 let message = format!("--set {assignment}: write it as NAME=VALUE, such as --set viscosity=2e-3");
@@ -36,6 +45,10 @@ impl CaseArguments {
         }
         Ok(case)
     }
+}
+
+fn preset_names() -> PossibleValuesParser {
+    PRESETS.iter().map(|row| PossibleValue::new(row.name).help(row.description)).collect::<Vec<_>>().into()
 }
 
 /// What a word on the command line means.

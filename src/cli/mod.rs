@@ -5,6 +5,7 @@ mod figures;
 mod format;
 mod importer;
 mod package;
+mod presets;
 mod press_and_release;
 mod sensitivity;
 mod solve;
@@ -31,6 +32,7 @@ Examples:
   cartilage-contact solve --penetration-depth 12e-6 --sliding-speed 0.2
   cartilage-contact solve --case examples/tissue.toml --json
   cartilage-contact solve --set both.shear_modulus=1e6 --set mesh.columns=200
+  cartilage-contact solve --preset human_femoral_condyle --penetration-depth 20e-6
   cartilage-contact stribeck --fields=-1e-6,19e-6,48e-6,100e-6
   cartilage-contact sensitivity --depths 0,10e-6,50e-6
   cartilage-contact package --output CartilageLineContact.fmu
@@ -55,6 +57,8 @@ enum Command {
     Sensitivity(sensitivity::Arguments),
     /// Mesh convergence, variants of the model, and what the paper prints, as Markdown tables
     Validate(validate::Arguments),
+    /// The presets: their values, sources, and what is uncertain about them, as Markdown
+    Presets,
     /// Write the co-simulation FMU, for FMI 2.0 and for FMI 3.0
     Package(package::Arguments),
 }
@@ -89,6 +93,7 @@ pub fn run() -> ExitCode {
         Some(Command::Stribeck(arguments)) => stribeck::run(&arguments),
         Some(Command::Sensitivity(arguments)) => sensitivity::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
+        Some(Command::Presets) => presets::run(),
         Some(Command::Package(arguments)) => package::run(&arguments),
     };
     let (code, message) = match result {

@@ -11,12 +11,13 @@ use super::case::CaseArguments;
 use super::{Failure, format, print};
 
 const EXAMPLES: &str = "\
-Defaults are the case of de Boer et al. (2020), Table 2, with 10 um of clearance. A case file \
-replaces defaults, and flags replace what the case file says.
+Defaults are the case of de Boer et al. (2020), Table 2, with 10 um of clearance. A preset replaces the defaults of all \
+parameters, a case file replaces what the preset says, and flags replace what the case file says.
 
 Examples:
   cartilage-contact solve --penetration-depth 12e-6 --sliding-speed 0.2
   cartilage-contact solve --case examples/paper.toml --penetration-depth=-5e-6
+  cartilage-contact solve --preset human_femoral_condyle --penetration-depth 20e-6
   cartilage-contact solve --set both.permeability=1e-16 --set formulation=consistent --json";
 
 /// Solve one steady state and print its loads, friction, film and regime.

@@ -15,7 +15,7 @@ use nalgebra::{Matrix2, Vector2};
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
 use crate::fem::products::{Block, Padded, add_products, padded};
-use crate::laws::darcy::{conductance, conductance_derivative};
+use crate::laws::darcy::{HolmesMow, conductance, conductance_derivative};
 use crate::laws::neo_hookean::{COFACTOR_DERIVATIVE, NeoHookean, Strain, flatten};
 
 /// Local unknowns of an element: nine horizontal displacements, nine vertical ones, nine pressures.
@@ -31,8 +31,10 @@ pub struct Tissue {
     pub solid: NeoHookean,
     /// Biot-Willis coefficient alpha [1].
     pub biot_coefficient: f64,
-    /// Hydraulic permeability kappa/eta [m^4/(N s)].
+    /// Hydraulic permeability kappa/eta of the undeformed tissue [m^4/(N s)].
     pub mobility: f64,
+    /// How it answers to strain; `None` where it does not.
+    pub strain_dependence: Option<HolmesMow>,
     /// Compressibility chi of the fluid [1/Pa].
     pub fluid_compressibility: f64,
     /// Whether stress and Darcy's law are those of the consistent formulation.
@@ -123,6 +125,13 @@ pub struct ElementTerms<'a> {
 }
 
 impl Tissue {
+    /// Hydraulic permeability of the strained tissue [m^4/(N s)], and its derivative by the volume ratio.
+    pub fn mobility_at(&self, strain: &Strain) -> (f64, f64) {
+        let Some(law) = &self.strain_dependence else { return (self.mobility, 0.0) };
+        let (relative, slope) = law.relative_permeability(strain.volume_change);
+        (self.mobility * relative, self.mobility * slope)
+    }
+
     /// Adds the terms of one element at local values `at`, moving with `speed` [m/s].
     ///
     /// # Errors
@@ -160,9 +169,11 @@ impl Tissue {
             }
             let density = (self.fluid_compressibility * pressure).exp();
             let rotation = Vector2::from(point.velocity);
-            let conductance = conductance(self.mobility, &strain, self.consistent);
+            let (mobility, mobility_by_volume) = self.mobility_at(&strain);
+            let conductance = conductance(mobility, &strain, self.consistent);
             let convected = rotation * (-alpha * strain.volume_change);
-            let flow = conductance * pressure_gradient + convected * speed;
+            let seepage = conductance * pressure_gradient;
+            let flow = seepage + convected * speed;
             let volume_change_rate = volume_rate.rate * strain.volume_ratio() + volume_rate.history[q];
             let weight = point.weight;
 
@@ -196,7 +207,10 @@ impl Tissue {
                             stress_by_strain[(row, column)] -= alpha * pressure * COFACTOR_DERIVATIVE[row][column];
                         }
                     }
-                    flow_by_strain += conductance_derivative(self.mobility, &strain, &pressure_gradient);
+                    flow_by_strain += conductance_derivative(mobility, &strain, &pressure_gradient);
+                }
+                if self.strain_dependence.is_some() {
+                    flow_by_strain += seepage * cofactor.transpose() * (mobility_by_volume / mobility);
                 }
                 let fluid = weight * density;
                 let storage_by_volume = fluid * alpha * volume_rate.rate;
@@ -332,13 +346,16 @@ mod tests {
         fn tangent_is_the_derivative_of_the_residual(
             seed in prop::collection::vec(-1.0..1.0f64, 31),
             direction in prop::collection::vec(-1.0..1.0f64, 29),
-            consistent: bool, order in 1..3_i32, upper: bool,
+            consistent: bool, order in 1..3_i32, upper: bool, strained: bool,
         ) {
             let side = if upper { 1.0 } else { -1.0 };
             let mesh = mesh(order, side);
             let tissue = Tissue {
                 solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 },
                 biot_coefficient: 0.9, mobility: 1e-12, fluid_compressibility: 1e-7, consistent,
+                strain_dependence: strained.then_some(HolmesMow {
+                    solid_volume_fraction: 0.3, exponent: 2.0, strain_coefficient: 3.0,
+                }),
             };
             let at = values(&seed);
             let change = values(&direction);
@@ -376,6 +393,7 @@ mod tests {
             solid: NeoHookean { shear_modulus: 1.0, bulk_modulus: 1.0 },
             biot_coefficient: 1.0,
             mobility: 1.0,
+            strain_dependence: None,
             fluid_compressibility: 0.0,
             consistent: false,
         };

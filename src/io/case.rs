@@ -11,7 +11,7 @@
 //! columns = 120
 //! ```
 //!
-//! What a file does not mention keeps its default. A mistake is reported with its line, the key, the value and what would
+//! What a file does not mention keeps its default, or the value of the `preset` that the file names (on any line). A mistake is reported with its line, the key, the value and what would
 //! have been allowed.
 
 use std::ops::Range;
@@ -206,6 +206,29 @@ mod tests {
         case.parameters.boundary_friction_loads_tissue = false;
         case.inputs.slide_to_roll_ratio = 0.1;
         assert_eq!(Case::parse("f", &case.fixed_part()).unwrap(), case);
+    }
+
+    #[test]
+    fn what_is_written_wins_over_the_preset_wherever_it_stands() {
+        use crate::parameters::Preset;
+        let mut expected = Preset::HumanFemoralCondyle.parameters();
+        expected.upper.thickness = 2e-3;
+        expected.mesh.rows = 8;
+        // Also where it says what the default is.
+        expected.viscosity = 1e-3;
+        for text in [
+            "preset = 'human_femoral_condyle'\nviscosity = 1e-3\nmesh.rows = 8\n[upper]\nthickness = 2e-3",
+            "viscosity = 1e-3\nmesh.rows = 8\nupper.thickness = 2e-3\npreset = 'human_femoral_condyle'",
+        ] {
+            let case = Case::parse("f", text).unwrap();
+            assert_eq!(case.parameters, expected);
+            assert_eq!(Case::parse("f", &case.fixed_part()).unwrap(), case);
+        }
+        assert!(
+            message("\npreset = 'giraffe'").contains(
+                "case.toml:2: preset = \"giraffe\" is not allowed: one of \"paper\", \"human_tibial_plateau\""
+            )
+        );
     }
 
     #[test]

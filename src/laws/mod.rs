@@ -6,6 +6,15 @@ pub mod darcy;
 pub mod film;
 pub mod neo_hookean;
 
+/// How permeability answers to strain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum PermeabilityLaw {
+    /// Not at all.
+    Constant,
+    /// [`darcy::HolmesMow`].
+    HolmesMow,
+}
+
 /// Which reading of the balance laws is solved (see the crate documentation).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Formulation {

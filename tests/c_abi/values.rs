@@ -7,6 +7,7 @@ use cartilage_contact::fmi::description::{fmi2::token, fmi3};
 use cartilage_contact::fmi::fmi2::*;
 use cartilage_contact::fmi::fmi3::*;
 use cartilage_contact::fmi::standard::{Standard, TIME_REFERENCE};
+use cartilage_contact::parameters::Preset;
 
 use crate::importer::*;
 
@@ -105,6 +106,67 @@ fn reset_brings_back_the_start_values() {
         assert_eq!(fmu.call(fmi2Reset, fmi3Reset), OK);
         assert_eq!(fmu.enter_initialization(1.0), OK);
         assert_eq!(fmu.get_integer("mesh.columns"), 120);
+    }
+}
+
+#[test]
+fn a_preset_sets_what_is_not_set_by_name_in_any_order() {
+    let expected = Preset::HumanNormal.parameters();
+    let number = 1 + Preset::HumanNormal as i32;
+    for standard in BOTH {
+        for preset_first in [true, false] {
+            let fmu = Fmu::fresh(standard);
+            let by_name = || {
+                assert_eq!(fmu.set_integer("mesh.columns", 16), OK);
+                // What the default is, and the preset not.
+                assert_eq!(fmu.set_real("upper.thickness", 1e-3), OK);
+                assert_eq!(fmu.set_real("sliding_speed", 0.1), OK);
+            };
+            if !preset_first {
+                by_name();
+            }
+            assert_eq!(fmu.enter_initialization(1.0), OK);
+            assert_eq!(fmu.set_choice("preset", number), OK);
+            assert_eq!(fmu.get_real("lower.shear_modulus"), expected.lower.shear_modulus, "at once");
+            if preset_first {
+                by_name();
+            }
+            assert_eq!(fmu.get_integer("mesh.columns"), 16);
+            assert_eq!(fmu.get_integer("mesh.rows"), expected.mesh.rows);
+            assert_eq!(fmu.get_real("upper.thickness"), 1e-3);
+            assert_eq!(fmu.get_real("lower.thickness"), expected.lower.thickness);
+            assert_eq!(fmu.get_real("upper.permeability"), expected.upper.permeability);
+            assert_eq!(fmu.get_real("sliding_speed"), 0.1);
+            assert_eq!(fmu.exit_initialization(), OK);
+            assert_eq!(fmu.set_choice("preset", 1), ERROR);
+            assert!(fmu.message().contains("preset = \"paper\" comes too late"));
+            assert_eq!(fmu.call(fmi2Reset, fmi3Reset), OK);
+            assert_eq!(fmu.enter_initialization(1.0), OK);
+            assert_eq!(fmu.get_integer("mesh.columns"), 120);
+            assert_eq!(fmu.get_real("lower.shear_modulus"), 0.5e6);
+            // Nothing is remembered of what was set by name before.
+            assert_eq!(fmu.set_choice("preset", number), OK);
+            assert_eq!(fmu.get_real("upper.thickness"), expected.upper.thickness);
+            assert_eq!(fmu.set_choice("preset", 7), ERROR);
+            assert!(fmu.message().contains("preset = 7 is not allowed: 1 (paper), 2 (human_tibial_plateau)"));
+        }
+    }
+}
+
+#[test]
+fn what_was_set_by_name_is_part_of_a_saved_state() {
+    for standard in BOTH {
+        let (fmu, other) = (Fmu::fresh(standard), Fmu::fresh(standard));
+        assert_eq!(fmu.set_integer("mesh.columns", 16), OK);
+        let mut state = null_mut();
+        assert_eq!(fmu.get_state(&mut state), OK);
+        let (status, copy) = other.state_from(&fmu.bytes(state));
+        assert_eq!((status, other.set_state(copy)), (OK, OK));
+        fmu.free_state(state);
+        other.free_state(copy);
+        assert_eq!(other.set_choice("preset", 4), OK);
+        assert_eq!(other.enter_initialization(1.0), OK);
+        assert_eq!(other.get_integer("mesh.columns"), 16);
     }
 }
 

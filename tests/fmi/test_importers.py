@@ -26,6 +26,23 @@ def test_the_default_experiment_runs_and_every_output_is_finite(fmu, description
     assert all(np.isfinite(result[name]).all() for name in result.dtype.names)
 
 
+def test_a_preset_with_other_values_in_any_order(fmu, description):
+    # FMPy sets start values in the order of the description, where the preset comes last.
+    (preset,) = (variable for variable in description.modelVariables if variable.name == "preset")
+    numbers = {item.name: item.value for item in preset.declaredType.items}
+    values = {"preset": numbers["human_normal"], "sliding_speed": 0.1, "upper.thickness": 1.2e-3, **COARSE}
+    found = {}
+    for name, start in {"both": values, "alone": {k: v for k, v in values.items() if k != "upper.thickness"}}.items():
+        forth = simulate_fmu(fmu, start_values=start, stop_time=0.1, output=["load", "sliding_speed"])
+        back = simulate_fmu(fmu, start_values=dict(reversed(start.items())), stop_time=0.1, output=["load"])
+        assert forth["sliding_speed"][-1] == 0.1
+        assert forth["load"][-1] == back["load"][-1]
+        found[name] = forth["load"][-1]
+    assert found["both"] > 1.01 * found["alone"], "a thinner layer is stiffer"
+    paper = simulate_fmu(fmu, start_values={"sliding_speed": 0.1, **COARSE}, stop_time=0.1, output=["load"])
+    assert abs(found["alone"] / paper["load"][-1] - 1) > 0.01
+
+
 def test_load_rises_along_a_ramp(fmu):
     result = simulate(fmu, output_interval=0.1)
     assert (np.diff(result["load"])[1:] > 0).all()

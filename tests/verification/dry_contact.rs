@@ -32,6 +32,7 @@ fn layer(radius: f64, poisson: f64, shear_modulus: f64) -> Body {
         bulk_modulus: shear_modulus * 2.0 * (1.0 + poisson) / (3.0 * (1.0 - 2.0 * poisson)),
         permeability: 1e-15,
         biot_coefficient: 0.0,
+        ..Parameters::default().upper
     }
 }
 
@@ -95,6 +96,7 @@ fn an_incompressible_layer() {
             solid: NeoHookean { shear_modulus, bulk_modulus: shear_modulus },
             biot_coefficient: 1.0,
             mobility: 1e-12,
+            strain_dependence: None,
             fluid_compressibility: 0.0,
             consistent: true,
         };

@@ -162,6 +162,7 @@ fn rigid_circular_bodies_have_the_pressure_of_the_sector() {
         bulk_modulus: 1e10,
         permeability: 1e-24,
         biot_coefficient: 0.0,
+        ..Parameters::default().upper
     };
     let parameters = Parameters {
         upper: rigid,
@@ -195,6 +196,7 @@ fn rigid_circular_bodies_have_the_friction_of_rolling_and_sliding() {
         bulk_modulus: 1e10,
         permeability: 1e-24,
         biot_coefficient: 0.0,
+        ..Parameters::default().upper
     };
     let parameters = Parameters {
         upper: rigid,

@@ -39,6 +39,7 @@ fn computed(time: f64, steps: usize, order: i32) -> f64 {
         solid: NeoHookean { shear_modulus: G, bulk_modulus: BULK },
         biot_coefficient: 1.0,
         mobility: MOBILITY,
+        strain_dependence: None,
         fluid_compressibility: 0.0,
         consistent: true,
     };

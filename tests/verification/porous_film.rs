@@ -21,6 +21,7 @@ fn rigid_porous_layers_relieve_the_film() {
             bulk_modulus: 1e10,
             permeability: phi * h0.powi(3) / (24.0 * thickness),
             biot_coefficient: 0.0,
+            ..Parameters::default().upper
         };
         let parameters = Parameters {
             upper: body,

@@ -75,6 +75,7 @@ fn layers_that_are_thin_and_compressible() {
             bulk_modulus: modulus / 3.0,
             permeability: 1e-24,
             biot_coefficient: 0.0,
+            ..Parameters::default().upper
         };
         let length = (2.0 * R * H0).sqrt();
         let parameters = Parameters {

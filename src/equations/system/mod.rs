@@ -13,9 +13,10 @@ use crate::equations::layout::{Layout, Quantity};
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
-use crate::laws::Formulation;
 use crate::laws::contact::mobilised_friction;
+use crate::laws::darcy::HolmesMow;
 use crate::laws::neo_hookean::NeoHookean;
+use crate::laws::{Formulation, PermeabilityLaw};
 use crate::parameters::{Body, Inputs, Mesh, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
 
@@ -159,6 +160,14 @@ impl Layer {
                 },
                 biot_coefficient: alpha,
                 mobility: body.permeability / parameters.viscosity,
+                strain_dependence: match parameters.permeability_law {
+                    PermeabilityLaw::Constant => None,
+                    PermeabilityLaw::HolmesMow => Some(HolmesMow {
+                        solid_volume_fraction: body.solid_volume_fraction,
+                        exponent: body.permeability_exponent,
+                        strain_coefficient: body.permeability_strain_coefficient,
+                    }),
+                },
                 fluid_compressibility: parameters.fluid_compressibility,
                 consistent,
             },

@@ -1,0 +1,37 @@
+//! `cartilage-contact presets`: what the presets are, as Markdown; docs/presets.md has the same tables.
+
+use std::fmt::Write;
+
+use cartilage_contact::parameters::{PRESETS, Tissue};
+
+use super::{Failure, format, print};
+
+/// Prints the values, then the sources.
+pub fn run() -> Result<(), Failure> {
+    let mut text = "| preset | number | aggregate modulus [MPa] | Poisson's ratio | shear modulus [MPa] | bulk modulus [MPa] | \
+                    hydraulic permeability [m^4/(N s)] | permeability [m^2] | thickness [mm] | mesh |\n|---|---|---|---|---|---|---|---|---|---|\n"
+        .to_owned();
+    for (row, number) in PRESETS.iter().zip(1..) {
+        let body = row.preset.parameters().upper;
+        let measured = |value: fn(&Tissue) -> f64| {
+            row.tissue.as_ref().map_or_else(|| "-".into(), |tissue| format::number(value(tissue), 4))
+        };
+        let mesh = row.preset.parameters().mesh;
+        let values = [
+            measured(|tissue| tissue.aggregate_modulus * 1e-6),
+            measured(|tissue| tissue.poisson_ratio),
+            format::number(body.shear_modulus * 1e-6, 4),
+            format::number(body.bulk_modulus * 1e-6, 4),
+            measured(|tissue| tissue.hydraulic_permeability),
+            format::number(body.permeability, 4),
+            format::number(body.thickness * 1e3, 4),
+            format!("{} x {}", mesh.columns, mesh.rows),
+        ];
+        let _ = writeln!(text, "| `{}` | {number} | {} |", row.name, values.join(" | "));
+    }
+    text += "\n| preset | tissue | source | uncertain |\n|---|---|---|---|\n";
+    for row in &PRESETS {
+        let _ = writeln!(text, "| `{}` | {} | {} | {} |", row.name, row.description, row.source, row.uncertainty);
+    }
+    print(&text)
+}

@@ -1,0 +1,261 @@
+//! Parameters of tissues that were measured, by name.
+
+use crate::laws::Formulation;
+
+use super::{Body, Mesh, Parameters};
+
+/// Where all parameters start from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Preset {
+    /// Table 2 of de Boer et al. (2020).
+    Paper,
+    /// Human tibial plateau.
+    HumanTibialPlateau,
+    /// Human lateral femoral condyle.
+    HumanFemoralCondyle,
+    /// Normal human cartilage.
+    HumanNormal,
+    /// Calf's humeral head.
+    BovineHumeralHead,
+    /// Cartilage after collagenase, as in osteoarthritis.
+    Osteoarthritic,
+}
+
+/// Cartilage as tests of the biphasic theory report it, and the mesh that it needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tissue {
+    /// Aggregate modulus H_A: drained, in uniaxial strain [Pa].
+    pub aggregate_modulus: f64,
+    /// Drained Poisson's ratio [1].
+    pub poisson_ratio: f64,
+    /// Hydraulic permeability [m^4/(N s)].
+    pub hydraulic_permeability: f64,
+    /// Thickness of the layer [m].
+    pub thickness: f64,
+    /// Elements along the surface. The less a tissue is permeable and the more it is compressible when drained, the more it
+    /// takes until it keeps its volume on the way through the sector.
+    pub columns: i32,
+}
+
+/// One row of [`PRESETS`].
+pub struct PresetRow {
+    /// The preset of this row.
+    pub preset: Preset,
+    /// Its name in cases, flags and the FMU.
+    pub name: &'static str,
+    /// What it is.
+    pub description: &'static str,
+    /// Where the values are from.
+    pub source: &'static str,
+    /// What is uncertain about them.
+    pub uncertainty: &'static str,
+    /// The values; `None` for the paper's Table 2.
+    pub tissue: Option<Tissue>,
+}
+
+/// Every preset, in the order of [`Preset`].
+pub static PRESETS: [PresetRow; 6] = [
+    PresetRow {
+        preset: Preset::Paper,
+        name: "paper",
+        description: "Table 2 of de Boer et al. (2020), with its equations as printed",
+        source: "de Boer et al., Tribology - Materials, Surfaces & Interfaces 14 (3), 151-165, 2020",
+        uncertainty: "its permeability is about a thousand times that of cartilage",
+        tissue: None,
+    },
+    PresetRow {
+        preset: Preset::HumanTibialPlateau,
+        name: "human_tibial_plateau",
+        description: "Human tibial plateau",
+        source: "Keenan et al., Computer Methods in Biomechanics and Biomedical Engineering 12 (4), 415-422, 2009 (PMC2858459)",
+        uncertainty: "middles of ranges over five sites of one plateau: aggregate modulus 0.48 to 1.58 MPa, Poisson's ratio 0 to \
+                      0.05, hydraulic permeability 1.7e-15 to 5.4e-15 m^4/(N s); thickness not given, 2.5 mm is typical of the site",
+        tissue: Some(Tissue {
+            aggregate_modulus: 1.03e6,
+            poisson_ratio: 0.025,
+            hydraulic_permeability: 3.55e-15,
+            thickness: 2.5e-3,
+            columns: 480,
+        }),
+    },
+    PresetRow {
+        preset: Preset::HumanFemoralCondyle,
+        name: "human_femoral_condyle",
+        description: "Human distal femur, lateral condyle",
+        source: "Athanasiou et al., Journal of Orthopaedic Research 9 (3), 330-340, 1991",
+        uncertainty: "means of a group; sites differ",
+        tissue: Some(Tissue {
+            aggregate_modulus: 0.70e6,
+            poisson_ratio: 0.10,
+            hydraulic_permeability: 1.18e-15,
+            thickness: 2.3e-3,
+            columns: 960,
+        }),
+    },
+    PresetRow {
+        preset: Preset::HumanNormal,
+        name: "human_normal",
+        description: "Normal human cartilage, as test cases of the biphasic theory have it",
+        source: "a confined compression test case, tomamil.eu/index.php?id=biphasicfilmsAxisym",
+        uncertainty: "no single specimen: Young's modulus 0.675 MPa and Poisson's ratio 0.125, which make the aggregate modulus; \
+                      the permeability is at the upper end of what is measured",
+        tissue: Some(Tissue {
+            aggregate_modulus: 0.70e6,
+            poisson_ratio: 0.125,
+            hydraulic_permeability: 7.6e-15,
+            thickness: 1.78e-3,
+            columns: 480,
+        }),
+    },
+    PresetRow {
+        preset: Preset::BovineHumeralHead,
+        name: "bovine_humeral_head",
+        description: "Humeral head of calves six months old",
+        source: "Soltz and Ateshian, Journal of Biomechanical Engineering 122 (6), 576-586, 2000 (PMC2854000)",
+        uncertainty: "aggregate modulus 0.64 +- 0.22 MPa, axial hydraulic permeability (3.62 +- 0.97)e-16 m^4/(N s), the radial one \
+                      is 6.06e-16; in tension the tissue is twenty times stiffer, which the model leaves out; thickness not \
+                      given, 1.5 mm is assumed",
+        tissue: Some(Tissue {
+            aggregate_modulus: 0.64e6,
+            poisson_ratio: 0.03,
+            hydraulic_permeability: 3.62e-16,
+            thickness: 1.5e-3,
+            columns: 1920,
+        }),
+    },
+    PresetRow {
+        preset: Preset::Osteoarthritic,
+        name: "osteoarthritic",
+        description: "Cartilage after digestion with collagenase, as a stand-in for osteoarthritis",
+        source: "Bioengineering 11 (6), 541, 2024",
+        uncertainty: "middles of ranges: aggregate modulus 0.06 to 0.13 MPa, hydraulic permeability 4.7e-14 to 8.3e-14 m^4/(N s); \
+                      Poisson's ratio 0.1 and thickness 2 mm are assumed; digestion is not the disease",
+        tissue: Some(Tissue {
+            aggregate_modulus: 0.095e6,
+            poisson_ratio: 0.1,
+            hydraulic_permeability: 6.5e-14,
+            thickness: 2.0e-3,
+            columns: 480,
+        }),
+    },
+];
+
+/// Names and descriptions, as a parameter lists its choices.
+pub(super) const ITEMS: [(&str, &str); 6] = {
+    let mut items = [("", ""); 6];
+    let mut i = 0;
+    while i < items.len() {
+        items[i] = (PRESETS[i].name, PRESETS[i].description);
+        i += 1;
+    }
+    items
+};
+
+impl Tissue {
+    /// Drained shear modulus, H_A (1 - 2 nu) / (2 (1 - nu)) [Pa].
+    pub fn shear_modulus(&self) -> f64 {
+        self.aggregate_modulus * (1.0 - 2.0 * self.poisson_ratio) / (2.0 * (1.0 - self.poisson_ratio))
+    }
+
+    /// Drained bulk modulus, H_A (1 + nu) / (3 (1 - nu)) [Pa].
+    pub fn bulk_modulus(&self) -> f64 {
+        self.aggregate_modulus * (1.0 + self.poisson_ratio) / (3.0 * (1.0 - self.poisson_ratio))
+    }
+}
+
+impl Preset {
+    /// All parameters: Table 2 of the paper; for a tissue with the tissue in both bodies, the consistent formulation and a mesh
+    /// for its permeability.
+    pub fn parameters(self) -> Parameters {
+        let paper = Parameters::default();
+        let Some(tissue) = &PRESETS[self as usize].tissue else { return paper };
+        let body = Body {
+            thickness: tissue.thickness,
+            shear_modulus: tissue.shear_modulus(),
+            bulk_modulus: tissue.bulk_modulus(),
+            permeability: tissue.hydraulic_permeability * paper.viscosity,
+            biot_coefficient: 1.0,
+            ..paper.upper
+        };
+        Parameters {
+            upper: body,
+            lower: body,
+            formulation: Formulation::Consistent,
+            // Pore pressure changes within some microns of the surface; the uppermost elements are 7 to 12 micron thick.
+            mesh: Mesh { columns: tissue.columns, rows: 14, row_grading: 5.0, ..paper.mesh },
+            pressure_order: 1,
+            preset: self,
+            ..paper
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{PARAMETERS, Value, find};
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn rows_are_in_the_order_of_their_numbers_and_allowed() {
+        for (place, row) in PRESETS.iter().enumerate() {
+            assert_eq!(row.preset as usize, place, "{}", row.name);
+            let parameters = row.preset.parameters();
+            parameters.validate().unwrap();
+            assert_eq!(find("preset").unwrap().get(&parameters), Value::Text(row.name.into()));
+        }
+        assert_eq!(Preset::Paper.parameters(), Parameters::default());
+    }
+
+    #[test]
+    fn moduli_are_those_of_the_measured_tissue() {
+        // E = 9 K G / (3 K + G), nu = (3 K - 2 G) / (6 K + 2 G), H_A = K + 4 G / 3
+        for tissue in PRESETS.iter().filter_map(|row| row.tissue) {
+            let (g, k) = (tissue.shear_modulus(), tissue.bulk_modulus());
+            assert_relative_eq!(k + 4.0 / 3.0 * g, tissue.aggregate_modulus, max_relative = 1e-12);
+            assert_relative_eq!((3.0 * k - 2.0 * g) / (6.0 * k + 2.0 * g), tissue.poisson_ratio, max_relative = 1e-12);
+        }
+        let body = Preset::HumanNormal.parameters().lower;
+        let (g, k) = (body.shear_modulus, body.bulk_modulus);
+        assert_relative_eq!(9.0 * k * g / (3.0 * k + g), 0.675e6, max_relative = 1e-12);
+        assert_relative_eq!(body.permeability, 7.6e-18, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn what_is_set_by_name_wins_whichever_comes_first() {
+        let set = |parameters: &mut Parameters, name: &str, value: Value| {
+            find(name).unwrap().set(parameters, &value).unwrap();
+        };
+        let mut expected = Preset::BovineHumeralHead.parameters();
+        expected.viscosity = 2e-3;
+        let steps = [("viscosity", Value::Real(2e-3)), ("preset", Value::Text("bovine_humeral_head".into()))];
+        for order in [[0, 1], [1, 0]] {
+            let mut parameters = Parameters::default();
+            set(&mut parameters, "preset", Value::Text("osteoarthritic".into()));
+            order.into_iter().for_each(|i: usize| set(&mut parameters, steps[i].0, steps[i].1.clone()));
+            assert_eq!(parameters, expected);
+        }
+        // Back to the paper: nothing of the tissue is left.
+        let mut parameters = expected;
+        set(&mut parameters, "preset", Value::Text("paper".into()));
+        assert_eq!(parameters, Parameters::default());
+    }
+
+    #[test]
+    fn every_parameter_can_be_kept() {
+        // A value of each that no preset has; the last row is the preset itself.
+        for row in PARAMETERS.into_iter().filter(|row| row.name != "preset") {
+            let mut parameters = Parameters::default();
+            let value = match (row.get(&parameters), row.allowed()) {
+                (Value::Real(v), _) => Value::Real(0.9 * v + 0.01 * f64::from(v == 0.0)),
+                (Value::Integer(v), _) => Value::Integer(if v == 2 { 1 } else { v + 3 }),
+                (Value::Boolean(v), _) => Value::Boolean(!v),
+                (Value::Text(_), allowed) if allowed.contains("holmes_mow") => Value::Text("holmes_mow".into()),
+                (Value::Text(_), _) => Value::Text("consistent".into()),
+            };
+            row.set(&mut parameters, &value).unwrap();
+            find("preset").unwrap().set(&mut parameters, &Value::Text("human_normal".into())).unwrap();
+            assert_eq!(row.get(&parameters), value, "{}", row.name);
+        }
+    }
+}
