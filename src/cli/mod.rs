@@ -9,7 +9,6 @@ mod press_and_release;
 mod sensitivity;
 mod solve;
 mod stribeck;
-mod sweep;
 mod validate;
 
 use std::io::Write;
