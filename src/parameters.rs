@@ -37,6 +37,15 @@ pub struct Mesh {
     pub row_grading: f64,
 }
 
+/// Which model answers in the FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Fidelity {
+    /// The equations are solved.
+    Full,
+    /// A table of solved states is interpolated.
+    Reduced,
+}
+
 /// All parameters of a case.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Parameters {
@@ -70,6 +79,8 @@ pub struct Parameters {
     pub pressure_order: i32,
     /// Newton stops when an update is below this, relative to the fields.
     pub tolerance: f64,
+    /// Which model answers in the FMU; programs choose by which of them they make.
+    pub fidelity: Fidelity,
 }
 
 impl Default for Parameters {
@@ -99,6 +110,7 @@ impl Default for Parameters {
             mesh: Mesh { columns: 120, rows: 8, column_grading: 2.5, row_grading: 2.0 },
             pressure_order: 2,
             tolerance: 1e-6,
+            fidelity: Fidelity::Full,
         }
     }
 }
@@ -344,7 +356,7 @@ const fn integer(
     Parameter { name, unit: Unit::One, description, kind: Kind::Integer { minimum, maximum, access } }
 }
 
-static COMMON_ROWS: [Parameter; 16] = [
+static COMMON_ROWS: [Parameter; 17] = [
     real(
         "sector_half_angle",
         Unit::Radian,
@@ -446,13 +458,26 @@ static COMMON_ROWS: [Parameter; 16] = [
         |p| &mut p.tolerance,
         "Newton's method stops when its update, relative to the fields, is below this",
     ),
+    Parameter {
+        name: "fidelity",
+        unit: Unit::One,
+        description: "Which model answers in the FMU",
+        kind: Kind::Choice {
+            items: &[
+                ("full", "The equations are solved"),
+                ("reduced", "Real time: a table of solved states in the FMU's resources, for one set of parameters"),
+            ],
+            get: |p| p.fidelity as usize,
+            set: |p, index| p.fidelity = if index == 0 { Fidelity::Full } else { Fidelity::Reduced },
+        },
+    },
 ];
 
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 28] = {
-    let mut rows = [&BODY_ROWS[0]; 28];
+pub static PARAMETERS: [&Parameter; 29] = {
+    let mut rows = [&BODY_ROWS[0]; 29];
     let mut i = 0;
-    while i < 28 {
+    while i < 29 {
         rows[i] = if i < 12 { &BODY_ROWS[i] } else { &COMMON_ROWS[i - 12] };
         i += 1;
     }

@@ -102,10 +102,10 @@ impl Instance {
 
     /// Sum of dy/du * du/dt over the inputs.
     fn rate(&self, variable: &Variable, rates: &[f64; 3]) -> Answer<f64> {
-        let Some(simulation) = &self.simulation else { return refuse("nothing has been solved yet") };
+        let Some(model) = &self.model else { return refuse("nothing has been solved yet") };
         let mut sum = 0.0;
         for input in INPUTS {
-            match variable.derivative(simulation.derivatives(input)) {
+            match variable.derivative(model.derivatives(input)) {
                 Some(slope) => sum += slope * rates[input as usize],
                 None => {
                     return refuse(format!(

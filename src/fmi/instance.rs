@@ -4,11 +4,11 @@
 
 use crate::error::Error;
 use crate::fmi::log::{Category, Log, Status};
+use crate::fmi::model::Model;
 use crate::fmi::phase::{Call, Phase};
 use crate::fmi::standard::{Element, Standard};
 use crate::fmi::state::{SavedState, Settings};
 use crate::parameters::Value;
-use crate::simulation::Simulation;
 use crate::variables::{Source, Type, VARIABLES, Variable, View};
 
 /// Why a call did not do what it was asked.
@@ -35,14 +35,16 @@ impl From<Error> for Refusal {
     }
 }
 
-/// One instance: settings, and the simulation once it is needed.
+/// One instance: settings, and the model once it is needed.
 pub struct Instance {
     /// The version of FMI that its importer speaks.
     pub standard: Standard,
     /// What the importer is told.
     pub log: Log,
     pub(super) settings: Settings,
-    pub(super) simulation: Option<Simulation>,
+    pub(super) model: Option<Model>,
+    /// Where the importer unpacked the FMU's resources.
+    resources: Option<String>,
 }
 
 /// Masters add up step sizes; this much of a time or a step is taken for rounding.
@@ -55,7 +57,12 @@ fn later(a: f64, b: f64, step: f64) -> bool {
 impl Instance {
     /// A fresh instance with the start values of the table.
     pub fn new(standard: Standard, log: Log) -> Self {
-        Self { standard, log, settings: Settings::default(), simulation: None }
+        Self { standard, log, settings: Settings::default(), model: None, resources: None }
+    }
+
+    /// The same with the URI (FMI 2) or path (FMI 3) of the folder of resources.
+    pub fn with_resources(self, location: Option<String>) -> Self {
+        Self { resources: location, ..self }
     }
 
     /// Where it is in its life.
@@ -120,7 +127,7 @@ impl Instance {
     /// As freshly instantiated.
     pub fn reset(&mut self) -> Answer<()> {
         self.settings = Settings::default();
-        self.simulation = None;
+        self.model = None;
         Ok(())
     }
 
@@ -206,11 +213,11 @@ impl Instance {
     fn value(&self, element: Element) -> Answer<Value> {
         let Settings { parameters, inputs, time, .. } = &self.settings;
         let Element::Row(variable) = element else { return Ok(Value::Real(*time)) };
-        let value = match (variable.source, &self.simulation) {
+        let value = match (variable.source, &self.model) {
             (Source::Input(_) | Source::Parameter(_), _) => {
                 variable.get(&View { parameters, inputs, outputs: &crate::outputs::Outputs::default(), position: &[] })
             }
-            (_, Some(simulation)) => variable.get(&View::from(simulation)),
+            (_, Some(model)) => variable.get(&model.view()),
             (_, None) => return refuse(format!("{} has no value yet: nothing has been solved", variable.name)),
         };
         match value {
@@ -274,7 +281,7 @@ impl Instance {
             self.settings.solved &= inputs == self.settings.inputs && parameters == self.settings.parameters;
         }
         if parameters != self.settings.parameters {
-            self.simulation = None;
+            self.model = None;
         }
         (self.settings.parameters, self.settings.inputs) = (parameters, inputs);
         Ok(())
@@ -333,24 +340,22 @@ impl Instance {
 
     /// Copies the state.
     pub fn save(&self) -> SavedState {
-        SavedState::new(&self.settings, self.simulation.as_ref())
+        SavedState::new(&self.settings, self.model.as_ref())
     }
 
     /// Returns to a copied state. On an error nothing changes.
     pub fn restore(&mut self, saved: &SavedState) -> Answer<()> {
-        let Some(snapshot) = &saved.snapshot else {
-            self.simulation = None;
+        let Some(state) = &saved.model else {
+            self.model = None;
             self.settings = saved.settings.clone();
             return Ok(());
         };
-        match &mut self.simulation {
-            Some(simulation) if *simulation.parameters() == saved.settings.parameters => {
-                simulation.restore(snapshot)?
-            }
+        match &mut self.model {
+            Some(model) if *model.parameters() == saved.settings.parameters => model.restore(state)?,
             slot => {
-                let mut simulation = Simulation::new(&saved.settings.parameters)?;
-                simulation.restore(snapshot)?;
-                *slot = Some(simulation);
+                let mut model = Model::new(&saved.settings.parameters, self.resources.as_deref())?;
+                model.restore(state)?;
+                *slot = Some(model);
             }
         }
         self.settings = saved.settings.clone();
@@ -362,16 +367,19 @@ impl Instance {
     }
 
     fn solve(&mut self, inputs: crate::parameters::Inputs) -> Answer<()> {
-        let simulation = match &mut self.simulation {
-            Some(simulation) => simulation,
-            slot => slot.insert(Simulation::new(&self.settings.parameters)?),
+        let model = match &mut self.model {
+            Some(model) => model,
+            slot => {
+                let model = Model::new(&self.settings.parameters, self.resources.as_deref())?;
+                if let Some(line) = model.introduction() {
+                    self.log.add(Status::Ok, Category::Solver, line);
+                }
+                slot.insert(model)
+            }
         };
-        simulation.solve_steady(inputs)?;
+        model.solve_steady(inputs)?;
         self.settings.solved = true;
-        let outputs = simulation.outputs();
-        let line =
-            format!("solved {inputs:?}: {} Newton iterations, {:.6e} N/m", outputs.newton_iterations, outputs.load);
-        self.log.add(Status::Ok, Category::Solver, line);
+        self.log.add(Status::Ok, Category::Solver, model.report());
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use super::table::{Chart, Grid, QUANTITIES, Side, State, place, primitives};
 use super::{Accuracy, Content, Deviation, Range, ReducedModel, boundary_friction};
 use crate::error::Error;
 use crate::outputs::{Outputs, Regime};
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::{Fidelity, Inputs, Parameters};
 use crate::simulation::{Input, Simulation};
 use crate::sweep;
 
@@ -111,6 +111,7 @@ impl ReducedModel {
         threads: usize,
         progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<Self, Error> {
+        let parameters = &Parameters { fidelity: Fidelity::Full, ..*parameters };
         parameters.validate()?;
         check(&range)?;
         let [slowest, fastest] = range.speeds.map(f64::ln);
