@@ -6,7 +6,7 @@ use crate::equations::system::{Rates, Residual, System, boundary_friction, half_
 use crate::error::Error;
 use crate::fields::{Fields, Solution};
 use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::{Fidelity, Inputs, Parameters};
 use crate::solver::linear::FIXED;
 use crate::solver::{continuation, newton};
 
@@ -73,6 +73,9 @@ impl Simulation {
     /// [`Error::Value`] where a parameter is out of range.
     pub fn new(parameters: &Parameters) -> Result<Self, Error> {
         parameters.validate()?;
+        if parameters.fidelity == Fidelity::Reduced {
+            return Err(Error::value("fidelity", "reduced", "full: only an FMU has a reduced model in its resources"));
+        }
         let mut simulation = Self::unsolved(parameters);
         match parameters.upper == parameters.lower {
             true => simulation.mirrored = Some(System::new(parameters, true)),

@@ -27,7 +27,7 @@ pub struct Arguments {
     depths: String,
 
     /// Slowest and fastest sliding speed in either direction [m/s]; below the slowest the film stays as it is there
-    #[arg(long, value_name = "SLOWEST:FASTEST", default_value = "0.02:0.5")]
+    #[arg(long, value_name = "SLOWEST:FASTEST", default_value = "0.002:0.5")]
     speeds: String,
 
     /// Threads; by default one a processor

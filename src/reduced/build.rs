@@ -53,7 +53,7 @@ const MOST_STATES: usize = 6000;
 
 /// Cells are not made narrower than these shares of a side and of the range of ln U: what is left then is the way in which a coarse
 /// mesh closes the film element by element.
-const NARROWEST: [f64; 2] = [1.0 / 40.0, 1.0 / 20.0];
+const NARROWEST: [f64; 2] = [1.0 / 80.0, 1.0 / 20.0];
 
 const FIRST_STATIONS: [(Side, [f64; 5]); 2] =
     [(Side::Film, [0.0, 0.25, 0.5, 0.75, 1.0]), (Side::Contact, [0.0, 0.1, 0.3, 0.6, 1.0])];
@@ -340,14 +340,20 @@ impl Builder<'_> {
             for sample in &found {
                 let comparison = self.compare(&model, sample)?;
                 if comparison.excess(&self.tolerance) > 1.0 {
-                    // The cell gets a line where the table was farther from the states halfway.
+                    // The cell gets a line where the table was farther from the states halfway, if there is room.
                     let chart = &model.content.chart;
                     let u = sample.inputs.sliding_speed.ln();
                     let (side, station) = chart.station(self.stations[0].0, sample.inputs.penetration_depth, u);
                     let patch = self.stations.iter().position(|(other, _)| *other == side).unwrap_or(0);
                     let column = cell(&self.stations[patch].1, station);
                     let line = cell(&self.log_speeds, u);
-                    match station_errors[patch][column] >= speed_errors[line] {
+                    let room = [
+                        (&self.stations[patch].1, column, NARROWEST[0]),
+                        (&self.log_speeds, line, self.narrowest_speeds()),
+                    ]
+                    .map(|(lines, i, narrowest)| lines[i + 1] - lines[i] >= 2.0 * narrowest);
+                    let by_station = station_errors[patch][column] >= speed_errors[line];
+                    match room == [true, false] || (room[0] && by_station) {
                         true => wide[patch].push(column),
                         false => slow.push(line),
                     }
@@ -406,8 +412,8 @@ impl Builder<'_> {
         for ((_, stations), intervals) in self.stations.iter_mut().zip(wide) {
             any |= split(stations, intervals, NARROWEST[0]);
         }
-        let [slowest, fastest] = self.range.speeds;
-        any |= split(&mut self.log_speeds, slow, NARROWEST[1] * (fastest / slowest).ln());
+        let narrowest = self.narrowest_speeds();
+        any |= split(&mut self.log_speeds, slow, narrowest);
         let states = self.log_speeds.len() * self.stations.iter().map(|(_, stations)| stations.len()).sum::<usize>();
         if states <= MOST_STATES {
             return Ok(any);
@@ -417,6 +423,12 @@ impl Builder<'_> {
              the film may close bit by bit"
         );
         Err(Error::value("tolerance", format!("{:?}", self.tolerance), allowed))
+    }
+
+    /// Least width of an interval of ln U.
+    fn narrowest_speeds(&self) -> f64 {
+        let [slowest, fastest] = self.range.speeds;
+        NARROWEST[1] * (fastest / slowest).ln()
     }
 
     /// Places that fill the range evenly without a pattern (the additive recurrence of the plastic number, in two dimensions).

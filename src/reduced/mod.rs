@@ -2,7 +2,7 @@
 //! polynomials between them, with a measured error.
 //!
 //! A step takes microseconds instead of a tenth of a second. The table is refined until states of the full model between its
-//! own are met ([`build`]); how the interpolation goes along with first touch and the powers of speed is in [`table`].
+//! own are met; how the interpolation goes along with first touch and the powers of speed is in `table.rs`.
 //!
 //! Reversing the speed mirrors the contact, so only positive speeds are solved. Below the slowest speed of the table the state is
 //! the mean of that speed's and its mirror image, weighted so that it changes linearly from one to the other: load, film and the
@@ -37,7 +37,7 @@ pub struct Range {
 
 impl Default for Range {
     fn default() -> Self {
-        Self { depths: [-20e-6, 60e-6], speeds: [0.02, 0.5], slide_to_roll_ratio: 0.0 }
+        Self { depths: [-20e-6, 60e-6], speeds: [0.002, 0.5], slide_to_roll_ratio: 0.0 }
     }
 }
 
