@@ -21,7 +21,7 @@ pub struct Tolerance {
     pub minimum_film_thickness: f64,
     /// Of the friction coefficient away from first touch.
     pub friction_coefficient: f64,
-    /// Of the profile of the fluid pressure: root mean square over the stations, relative to the largest fluid pressure of the state.
+    /// Of the profile of the fluid pressure: root mean square over the stations, relative to the largest one.
     pub fluid_pressure: f64,
 }
 

@@ -79,8 +79,8 @@ pub struct Deviation {
 
 /// How far the table is from the full model, measured at states that it was not made from.
 ///
-/// The error of a profile is its root mean square over the stations. *Near first touch* is within 1/40 of the range of depths; the film there is measured against the film in the middle of the contact at first
-/// touch, where it is thinner than that.
+/// The error of a profile is its root mean square over the stations. *Near first touch* is within 1/40 of the range of depths. A
+/// film is measured against that in the middle of the contact at first touch where it is thinner.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Accuracy {
     /// How many states were compared.
@@ -93,8 +93,7 @@ pub struct Accuracy {
     pub friction_coefficient: Deviation,
     /// Of the friction coefficient near first touch, relative.
     pub friction_coefficient_near_touch: Deviation,
-    /// Of the film profile, relative to the film in the middle or, where that is thinner, to that at first touch; where the film is thinner than ten
-    /// times that.
+    /// Of the film profile where it is less than ten times the film in the middle of the contact, relative to that.
     pub film_thickness: Deviation,
     /// Of the profile of the fluid pressure, relative to the largest fluid pressure of the state.
     pub fluid_pressure: Deviation,
