@@ -6,7 +6,8 @@ use std::hint::black_box;
 
 use cartilage_contact::equations::system::{Residual, System};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
-use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::parameters::{Inputs, Mesh, Parameters};
+use cartilage_contact::reduced::{Range, ReducedModel, Tolerance};
 use cartilage_contact::simulation::Simulation;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
@@ -87,5 +88,18 @@ fn points(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, element, system, points);
+fn reduced(criterion: &mut Criterion) {
+    // What a state costs does not depend on the mesh that the table was made on.
+    let mesh = Mesh { columns: 40, rows: 2, ..Parameters::default().mesh };
+    let parameters = Parameters { mesh, sector_half_angle: 0.04, ..parameters() };
+    let range = Range { depths: [-5e-6, 5e-6], speeds: [0.15, 0.25], slide_to_roll_ratio: 0.0 };
+    let tolerance =
+        Tolerance { load: 0.1, minimum_film_thickness: 0.2, friction_coefficient: 0.2, fluid_pressure: 0.2 };
+    let model = ReducedModel::build(&parameters, range, tolerance, 2, &|_| ()).unwrap();
+    criterion.bench_function("reduced model, state and derivatives", |bencher| {
+        bencher.iter(|| model.evaluate(black_box(&at_depth(3.0))));
+    });
+}
+
+criterion_group!(benches, element, system, points, reduced);
 criterion_main!(benches);

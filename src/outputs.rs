@@ -36,6 +36,16 @@ impl Regime {
         ("high_friction", "Solid contact, fluid load less than ten times the solid load"),
     ];
 
+    /// The regime of a state: whether the solids touch, penetration depth, loads.
+    pub(crate) fn of(touching: bool, penetration_depth: f64, fluid_load: f64, solid_load: f64) -> Self {
+        match (touching, penetration_depth > 0.0) {
+            (true, _) if fluid_load >= 10.0 * solid_load => Self::BoundaryContact,
+            (true, _) => Self::HighFriction,
+            (false, true) => Self::LowFriction,
+            (false, false) => Self::ThinFilmFlow,
+        }
+    }
+
     /// Name in case files, tables and the FMU.
     pub fn name(self) -> &'static str {
         Self::ITEMS[self as usize].0
@@ -104,7 +114,7 @@ pub struct Outputs<T = f64> {
 
 impl<T: Copy> Outputs<T> {
     /// The same fields, each number replaced by `f` of it.
-    fn map<S>(&self, f: impl Fn(T) -> S) -> Outputs<S> {
+    pub(crate) fn map<S>(&self, f: impl Fn(T) -> S) -> Outputs<S> {
         let all = |values: &[T]| values.iter().map(|v| f(*v)).collect();
         Outputs {
             load: f(self.load),
@@ -255,12 +265,6 @@ impl Solved<'_> {
         let outflow = system.film_outflow(self.at, change);
         let outflow = outflow[1..outflow.len() - 1].iter().map(|v| Dual64::new(v[0], v[1]));
 
-        let regime = match (touching, depth.re > 0.0) {
-            (true, _) if fluid_load.re >= 10.0 * solid_load.re => Regime::BoundaryContact,
-            (true, _) => Regime::HighFriction,
-            (false, true) => Regime::LowFriction,
-            (false, false) => Regime::ThinFilmFlow,
-        };
         let profile = |values: &[Dual64]| self.profile(values);
         Outputs {
             load,
@@ -287,7 +291,7 @@ impl Solved<'_> {
             fluid_exudation: outflow.clone().filter(|v| v.re > 0.0).sum(),
             net_fluid_exudation: outflow.sum(),
             penetration_depth: depth,
-            lubrication_regime: regime,
+            lubrication_regime: Regime::of(touching, depth.re, fluid_load.re, solid_load.re),
             newton_iterations: 0,
             // Between nodes in contact the interpolated gap may dip below zero, where the film is closed.
             film_thickness: profile(&gap).into_iter().map(|h| if h.re > 0.0 { h } else { Dual64::from(0.0) }).collect(),
@@ -349,12 +353,12 @@ impl Solved<'_> {
     }
 }
 
-fn magnitude(a: Dual64) -> Dual64 {
+pub(crate) fn magnitude(a: Dual64) -> Dual64 {
     if a.re < 0.0 { -a } else { a }
 }
 
 /// A ratio of loads that stays finite without load.
-fn ratio_of(a: Dual64, b: Dual64) -> Dual64 {
+pub(crate) fn ratio_of(a: Dual64, b: Dual64) -> Dual64 {
     a / if b.re > SMALLEST_LOAD { b } else { Dual64::from(SMALLEST_LOAD) }
 }
 

@@ -64,6 +64,15 @@ pub enum Control {
     Load,
 }
 
+/// Which model answers in the FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Fidelity {
+    /// The equations are solved.
+    Full,
+    /// A table of solved states is interpolated.
+    Reduced,
+}
+
 /// All parameters of a case.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Parameters {
@@ -105,6 +114,8 @@ pub struct Parameters {
     pub relative_tolerance: f64,
     /// Longest internal step in time [s].
     pub maximum_internal_step: f64,
+    /// Which model answers in the FMU; programs choose by which of them they make.
+    pub fidelity: Fidelity,
     /// How permeability answers to strain.
     pub permeability_law: PermeabilityLaw,
     /// Where the other values start from; to get these values, [`Preset::parameters`].
@@ -155,6 +166,7 @@ impl Default for Parameters {
             mesh: Mesh { columns: 120, rows: 8, column_grading: 2.5, row_grading: 2.0 },
             pressure_order: 2,
             tolerance: 1e-6,
+            fidelity: Fidelity::Full,
             time_integration: TimeIntegration::QuasiSteady,
             control: Control::Depth,
             relative_tolerance: 1e-3,
@@ -626,7 +638,20 @@ static COMMON_ROWS: [Parameter; 20] = [
 /// The name of the one parameter that sets others.
 const PRESET: &str = "preset";
 
-static CHOICE_ROWS: [Parameter; 2] = [
+static CHOICE_ROWS: [Parameter; 3] = [
+    Parameter {
+        name: "fidelity",
+        unit: Unit::One,
+        description: "Which model answers in the FMU",
+        kind: Kind::Choice {
+            items: &[
+                ("full", "The equations are solved"),
+                ("reduced", "Real time: a table of solved states in the FMU's resources, for one set of parameters"),
+            ],
+            get: |p| p.fidelity as usize,
+            set: |p, index| p.fidelity = if index == 0 { Fidelity::Full } else { Fidelity::Reduced },
+        },
+    },
     Parameter {
         name: "permeability_law",
         unit: Unit::One,
@@ -665,9 +690,9 @@ static CHOICE_ROWS: [Parameter; 2] = [
 ];
 
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 40] = {
+pub static PARAMETERS: [&Parameter; 41] = {
     let parts: [&[Parameter]; 4] = [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS];
-    let mut rows = [&BODY_ROWS[0]; 40];
+    let mut rows = [&BODY_ROWS[0]; 41];
     let (mut part, mut first, mut place) = (0, 0, 0);
     while place < rows.len() {
         if place - first == parts[part].len() {

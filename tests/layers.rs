@@ -5,13 +5,14 @@
 use std::path::{Path, PathBuf};
 
 /// The layers from the bottom; those in one row do not use each other unless they are one module.
-const LAYERS: [&[&str]; 9] = [
+const LAYERS: [&[&str]; 10] = [
     &["error", "units", "laws"],
     &["parameters", "fem", "solver"],
     &["equations"],
     &["outputs", "fields"],
     &["simulation"],
-    &["variables"],
+    &["sweep"],
+    &["variables", "reduced"],
     &["fmi", "io"],
     &["cli"],
     &["main", "lib"],

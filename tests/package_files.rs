@@ -47,7 +47,7 @@ fn equal_input_gives_the_same_bytes() {
     for standard in [Standard::Fmi2, Standard::Fmi3] {
         let made = ["one", "two"].map(|name| {
             let path = folder.join(name).join("CartilageLineContact.fmu");
-            archive::package(std::slice::from_ref(&library), standard, &path).unwrap();
+            archive::package(std::slice::from_ref(&library), standard, None, &path).unwrap();
             std::fs::read(path).unwrap()
         });
         assert!(made[0] == made[1], "{standard:?}");
@@ -60,7 +60,7 @@ fn a_missing_or_foreign_library_is_named_with_what_to_run() {
     for library in ["nowhere/libcartilage_contact.so", "Cargo.toml"] {
         let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(library);
         let message =
-            archive::package(std::slice::from_ref(&library), Standard::Fmi2, &output).unwrap_err().to_string();
+            archive::package(std::slice::from_ref(&library), Standard::Fmi2, None, &output).unwrap_err().to_string();
         assert!(
             message.contains(&library.display().to_string()) && message.contains("cargo build --release"),
             "{message}"

@@ -15,6 +15,8 @@ use cartilage_contact::fmi::boundary::Logger;
 use cartilage_contact::fmi::fmi2::fmi2CallbackFunctions;
 use cartilage_contact::fmi::fmi3::{fmi3Boolean, fmi3LogMessageCallback};
 use cartilage_contact::fmi::standard::Standard;
+use cartilage_contact::parameters::{Mesh, Parameters};
+use cartilage_contact::reduced::{Range, ReducedModel, Tolerance};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const PROGRAM: &str = env!("CARGO_BIN_EXE_cartilage-contact");
@@ -48,13 +50,25 @@ fn python() -> &'static Path {
     })
 }
 
+/// On few elements, over a small range: what `tests/fmi/test_reduced.py` asks for.
+fn reduced_model() -> ReducedModel {
+    let mesh = Mesh { columns: 60, rows: 2, ..Parameters::default().mesh };
+    let sector_half_angle = std::f64::consts::PI / 72.0;
+    let parameters = Parameters { mesh, sector_half_angle, ..Parameters::default() };
+    let range = Range { depths: [-12e-6, 12e-6], speeds: [0.15, 0.25], slide_to_roll_ratio: 0.0 };
+    let tolerance =
+        Tolerance { load: 0.02, minimum_film_thickness: 0.05, friction_coefficient: 0.05, fluid_pressure: 0.1 };
+    ReducedModel::build(&parameters, range, tolerance, 2, &|_| ()).unwrap()
+}
+
 #[test]
 fn importers_run_the_fmus() {
     let fmu = folder("fmu").join("CartilageLineContact.fmu");
     let libraries = [archive::library_beside(Path::new(PROGRAM))];
     let fmi3 = archive::beside(&fmu);
-    archive::package(&libraries, Standard::Fmi2, &fmu).unwrap();
-    archive::package(&libraries, Standard::Fmi3, &fmi3).unwrap();
+    let reduced = reduced_model();
+    archive::package(&libraries, Standard::Fmi2, Some(&reduced), &fmu).unwrap();
+    archive::package(&libraries, Standard::Fmi3, Some(&reduced), &fmi3).unwrap();
     run(Command::new(python())
         .args(["-m", "pytest", "--verbose", "-p", "no:cacheprovider", "--basetemp"])
         .arg(folder("pytest"))

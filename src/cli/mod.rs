@@ -7,10 +7,10 @@ mod importer;
 mod package;
 mod presets;
 mod press_and_release;
+mod reduce;
 mod sensitivity;
 mod solve;
 mod stribeck;
-mod sweep;
 mod validate;
 
 use std::io::Write;
@@ -36,6 +36,7 @@ Examples:
   cartilage-contact stribeck --fields=-1e-6,19e-6,48e-6,100e-6
   cartilage-contact sensitivity --depths 0,10e-6,50e-6
   cartilage-contact package --output CartilageLineContact.fmu
+  cartilage-contact reduce --depths=-20e-6:60e-6 --speeds 0.002:0.5
   cartilage-contact solve --help    (every variable with its unit, default and range)
 
 Exit code: 0 done, 1 failed, 2 wrong usage or a mistake in a case.";
@@ -61,6 +62,8 @@ enum Command {
     Presets,
     /// Write the co-simulation FMU, for FMI 2.0 and for FMI 3.0
     Package(package::Arguments),
+    /// Make the real-time model of a case, and FMUs that have it
+    Reduce(reduce::Arguments),
 }
 
 /// Why a command stopped: a mistake of whoever typed it, or something that went wrong.
@@ -95,6 +98,7 @@ pub fn run() -> ExitCode {
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Presets) => presets::run(),
         Some(Command::Package(arguments)) => package::run(&arguments),
+        Some(Command::Reduce(arguments)) => reduce::run(&arguments),
     };
     let (code, message) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use cartilage_contact::fmi::archive;
 use cartilage_contact::fmi::standard::Standard;
+use cartilage_contact::reduced::ReducedModel;
 
 use super::{Failure, print};
 
@@ -24,12 +25,12 @@ pub struct Arguments {
 
 /// Packs and prints where the FMUs are.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let [fmi2, fmi3] = package(&arguments.library, &arguments.output)?;
+    let [fmi2, fmi3] = package(&arguments.library, None, &arguments.output)?;
     print(&format!("{}\n{}\n", fmi2.display(), fmi3.display()))
 }
 
 /// Writes both FMUs, and the folder they go into if that is missing; returns where they are.
-pub fn package(libraries: &[PathBuf], output: &Path) -> Result<[PathBuf; 2], Failure> {
+pub fn package(libraries: &[PathBuf], reduced: Option<&ReducedModel>, output: &Path) -> Result<[PathBuf; 2], Failure> {
     let mut libraries = libraries.to_vec();
     if libraries.is_empty() {
         libraries.push(archive::library_beside(&std::env::current_exe().map_err(|error| {
@@ -39,7 +40,7 @@ pub fn package(libraries: &[PathBuf], output: &Path) -> Result<[PathBuf; 2], Fai
         })?));
     }
     let outputs = [output.to_owned(), archive::beside(output)];
-    archive::package(&libraries, Standard::Fmi2, &outputs[0])?;
-    archive::package(&libraries, Standard::Fmi3, &outputs[1])?;
+    archive::package(&libraries, Standard::Fmi2, reduced, &outputs[0])?;
+    archive::package(&libraries, Standard::Fmi3, reduced, &outputs[1])?;
     Ok(outputs)
 }

@@ -41,7 +41,7 @@ impl Recording {
 /// Builds, runs, prints, writes.
 pub fn run() -> Result<(), Failure> {
     let fmu = Path::new(package::DEFAULT_OUTPUT);
-    for path in package::package(&[], fmu)? {
+    for path in package::package(&[], None, fmu)? {
         let size = std::fs::metadata(&path).map_or(0, |data| data.len());
         print(&format!("Built {} ({:.1} MB)\n", path.display(), size as f64 / 1e6))?;
     }

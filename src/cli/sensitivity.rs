@@ -7,11 +7,11 @@ use cartilage_contact::error::Error;
 use cartilage_contact::io::case::Case;
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Inputs, Value};
-use cartilage_contact::variables;
+use cartilage_contact::{sweep, variables};
 
 use super::case::{CaseArguments, numbers};
 use super::stribeck::progress;
-use super::{Failure, figures, format, print, sweep};
+use super::{Failure, figures, format, print};
 
 const EXAMPLES: &str = "\
 Each parameter is changed alone (of both bodies together), down and up by the same share, as far as its range allows. \

@@ -5,10 +5,11 @@ use std::sync::{Mutex, PoisonError};
 use cartilage_contact::laws::Formulation;
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::sweep;
 
 use super::case::{CaseArguments, numbers};
 use super::stribeck::progress;
-use super::{Failure, format, print, sweep};
+use super::{Failure, format, print};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -10,8 +10,10 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::error::Error;
+use crate::fmi::resources::REDUCED_MODEL;
 use crate::fmi::standard::Standard;
 use crate::fmi::{MODEL_IDENTIFIER, description, documentation};
+use crate::reduced::ReducedModel;
 
 const ICON: &[u8] = include_bytes!("../../modelDescription/model.png");
 const LICENSE: &str = include_str!("../../LICENSE");
@@ -19,7 +21,8 @@ const THIRD_PARTY: &str = include_str!("../../modelDescription/documentation/lic
 const REFERENCE_INPUT: &str = include_str!("../../modelDescription/reference/input.csv");
 const REFERENCE_RESULT: &str = include_str!("../../modelDescription/reference/result.csv");
 const REFERENCE_MANIFEST: &str = include_str!("../../modelDescription/reference/fmi-ls-manifest.xml");
-const RESOURCES: &str = "The FMU needs no files beside its library.\n";
+const RESOURCES: &str =
+    "reduced_model.bin, where it is here, is the table for fidelity = reduced. Nothing else is needed.\n";
 
 /// The shared library that Cargo built together with a program: in the program's folder or in `deps` below it, whichever is
 /// newer, because Cargo does not always copy it from there.
@@ -50,11 +53,17 @@ pub fn beside(output: &Path) -> PathBuf {
     output.with_extension("fmi3.fmu")
 }
 
-/// Writes an FMU with these libraries in it, one a platform, and the folder that `output` is in.
+/// Writes an FMU with these libraries in it, one a platform, with the real-time model where there is one, and the folder that `output` is
+/// in.
 ///
 /// # Errors
 /// [`Error::File`] saying which file is missing or cannot be written, and what to do.
-pub fn package(libraries: &[PathBuf], standard: Standard, output: &Path) -> Result<(), Error> {
+pub fn package(
+    libraries: &[PathBuf],
+    standard: Standard,
+    reduced: Option<&ReducedModel>,
+    output: &Path,
+) -> Result<(), Error> {
     let mut binaries = Vec::new();
     for library in libraries {
         let path = library.display().to_string();
@@ -77,14 +86,19 @@ pub fn package(libraries: &[PathBuf], standard: Standard, output: &Path) -> Resu
         path: output.display().to_string(),
         message: format!("cannot write the FMU: {error}"),
     };
-    let archive = archive(&binaries, standard).map_err(|error| failed(&error))?;
+    let reduced = reduced.map(ReducedModel::to_bytes).transpose()?;
+    let archive = archive(&binaries, standard, reduced.as_deref()).map_err(|error| failed(&error))?;
     if let Some(folder) = output.parent() {
         std::fs::create_dir_all(folder).map_err(|error| failed(&error))?;
     }
     File::create(output).and_then(|mut file| file.write_all(&archive)).map_err(|error| failed(&error))
 }
 
-fn archive(binaries: &[(String, Vec<u8>)], standard: Standard) -> zip::result::ZipResult<Vec<u8>> {
+fn archive(
+    binaries: &[(String, Vec<u8>)],
+    standard: Standard,
+    reduced: Option<&[u8]>,
+) -> zip::result::ZipResult<Vec<u8>> {
     let page = documentation::html();
     let terminals = description::fmi3::terminals();
     let reference = "extra/org.fmi-standard.fmi-ls-ref";
@@ -108,6 +122,7 @@ fn archive(binaries: &[(String, Vec<u8>)], standard: Standard) -> zip::result::Z
         (format!("{reference}/result.csv"), REFERENCE_RESULT.as_bytes()),
         ("resources/README.txt".into(), RESOURCES.as_bytes()),
     ]);
+    entries.extend(reduced.map(|bytes| (format!("resources/{REDUCED_MODEL}"), bytes)));
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in entries {
         let permissions = if name.starts_with("binaries/") { 0o755 } else { 0o644 };

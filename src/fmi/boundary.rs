@@ -79,10 +79,11 @@ pub fn create(
     may: impl FnOnce() -> Answer<()>,
     log: Log,
     messenger: Messenger,
+    resources: Option<String>,
 ) -> *mut c_void {
     match catch_unwind(AssertUnwindSafe(may)) {
         Ok(Ok(())) => {
-            let instance = Instance::new(standard, log);
+            let instance = Instance::new(standard, log).with_resources(resources);
             Box::into_raw(Box::new(Component { instance, messenger, poisoned: false })).cast()
         }
         Ok(Err(refusal)) => {

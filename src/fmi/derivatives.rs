@@ -1,8 +1,9 @@
 //! Derivatives: of outputs with respect to inputs, and of both with respect to time.
 
 use crate::fmi::instance::{Answer, Instance, refuse};
+use crate::fmi::model::Model;
 use crate::fmi::phase::Call;
-use crate::simulation::{Input, Simulation};
+use crate::simulation::Input;
 use crate::variables::{Source, Variable};
 
 impl Instance {
@@ -37,7 +38,7 @@ impl Instance {
                     return refuse(format!("order {order} of {} is not allowed: 1 or more", element.name()));
                 }
                 let variable = element.row()?;
-                let rate = finite(variable, variable.derivative(self.solved()?.rates()?))?;
+                let rate = finite(variable, self.solved()?.rate(variable)?)?;
                 // Above the highest order there is, the standard asks for 0.
                 found.push(if *order == 1 { rate } else { 0.0 });
             }
@@ -99,19 +100,19 @@ impl Instance {
         elements.into_iter().zip(seed).map(|(element, seed)| Ok((element.row()?, *seed))).collect()
     }
 
-    fn solved(&mut self) -> Answer<&mut Simulation> {
-        match &mut self.simulation {
-            Some(simulation) => Ok(simulation),
+    fn solved(&mut self) -> Answer<&mut Model> {
+        match &mut self.model {
+            Some(model) => Ok(model),
             None => refuse("nothing has been solved yet"),
         }
     }
 
     /// Sum of dy/du * change of u over the inputs.
     fn rate(&mut self, variable: &Variable, changes: &[f64; Input::ALL.len()]) -> Answer<f64> {
-        let simulation = self.solved()?;
+        let model = self.solved()?;
         let mut sum = 0.0;
         for (input, change) in Input::ALL.into_iter().zip(changes) {
-            sum += change * finite(variable, variable.derivative(simulation.derivatives(input)?))?;
+            sum += change * finite(variable, model.derivative(variable, input)?)?;
         }
         finite(variable, Some(sum))
     }

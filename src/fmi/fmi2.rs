@@ -73,7 +73,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     instance_name: *const c_char,
     fmu_type: c_uint,
     guid: *const c_char,
-    _resource_location: *const c_char,
+    resource_location: *const c_char,
     functions: *const fmi2CallbackFunctions,
     _visible: c_int,
     logging_on: c_int,
@@ -83,7 +83,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
     let listener = Listener::Formatting(functions.logger, CString::new(name.as_str()).unwrap_or_default());
     let messenger = Messenger { listener, environment: functions.component_environment };
     let may = || may_instantiate(&name, fmu_type, unsafe { string(guid) });
-    create(Standard::Fmi2, "fmi2Instantiate", may, Log::new(logging_on != 0), messenger)
+    let resources = unsafe { string(resource_location) };
+    create(Standard::Fmi2, "fmi2Instantiate", may, Log::new(logging_on != 0), messenger, resources)
 }
 
 fn may_instantiate(name: &str, fmu_type: c_uint, guid: Option<String>) -> Answer<()> {

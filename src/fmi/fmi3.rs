@@ -57,7 +57,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     instance_name: *const c_char,
     instantiation_token: *const c_char,
-    _resource_path: *const c_char,
+    resource_path: *const c_char,
     _visible: fmi3Boolean,
     logging_on: fmi3Boolean,
     event_mode_used: fmi3Boolean,
@@ -71,7 +71,8 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let messenger = Messenger { listener: Listener::Plain(log_message), environment: instance_environment };
     let texts = unsafe { (string(instance_name), string(instantiation_token)) };
     let may = || may_instantiate(texts, event_mode_used != 0, required_intermediate_variable_count);
-    create(Standard::Fmi3, "fmi3InstantiateCoSimulation", may, Log::new(logging_on != 0), messenger)
+    let resources = unsafe { string(resource_path) };
+    create(Standard::Fmi3, "fmi3InstantiateCoSimulation", may, Log::new(logging_on != 0), messenger, resources)
 }
 
 fn may_instantiate(

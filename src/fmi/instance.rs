@@ -4,12 +4,13 @@
 
 use crate::error::Error;
 use crate::fmi::log::{Category, Log, Status};
+use crate::fmi::model::Model;
 use crate::fmi::phase::{Call, Phase};
 use crate::fmi::standard::{Element, Standard};
 use crate::fmi::state::{SavedState, Settings};
 use crate::parameters::{Inputs, Value};
-use crate::simulation::{Drive, Simulation};
-use crate::variables::{Source, Type, VARIABLES, Variable, View};
+use crate::simulation::Drive;
+use crate::variables::{Source, Type, VARIABLES, Variable};
 
 /// Why a call did not do what it was asked.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,14 +36,16 @@ impl From<Error> for Refusal {
     }
 }
 
-/// One instance: settings, and the simulation once it is needed.
+/// One instance: settings, and the model once it is needed.
 pub struct Instance {
     /// The version of FMI that its importer speaks.
     pub standard: Standard,
     /// What the importer is told.
     pub log: Log,
     pub(super) settings: Settings,
-    pub(super) simulation: Option<Simulation>,
+    pub(super) model: Option<Model>,
+    /// Where the importer unpacked the FMU's resources.
+    resources: Option<String>,
 }
 
 /// Masters add up step sizes; this much of a time or a step is taken for rounding.
@@ -55,7 +58,12 @@ fn later(a: f64, b: f64, step: f64) -> bool {
 impl Instance {
     /// A fresh instance with the start values of the table.
     pub fn new(standard: Standard, log: Log) -> Self {
-        Self { standard, log, settings: Settings::default(), simulation: None }
+        Self { standard, log, settings: Settings::default(), model: None, resources: None }
+    }
+
+    /// The same with the URI (FMI 2) or path (FMI 3) of the folder of resources.
+    pub fn with_resources(self, location: Option<String>) -> Self {
+        Self { resources: location, ..self }
     }
 
     /// Where it is in its life.
@@ -120,7 +128,7 @@ impl Instance {
     /// As freshly instantiated.
     pub fn reset(&mut self) -> Answer<()> {
         self.settings = Settings::default();
-        self.simulation = None;
+        self.model = None;
         Ok(())
     }
 
@@ -206,10 +214,10 @@ impl Instance {
     fn value(&mut self, element: Element) -> Answer<Value> {
         let Element::Row(variable) = element else { return Ok(Value::Real(self.settings.time)) };
         let given = matches!(variable.source, Source::Input(_) | Source::Parameter(_));
-        let value = match &mut self.simulation {
+        let value = match &mut self.model {
             _ if given => variable.given(&self.settings.parameters, &self.settings.inputs),
-            Some(simulation) if matches!(variable.source, Source::Stiffness) => variable.get(&View::new(simulation)?),
-            Some(simulation) => variable.get(&View::without_stiffness(simulation)),
+            Some(model) if matches!(variable.source, Source::Stiffness) => Value::Real(model.contact_stiffness()?),
+            Some(model) => variable.get(&model.view()),
             None => return refuse(format!("{} has no value yet: nothing has been solved", variable.name)),
         };
         match value {
@@ -273,7 +281,7 @@ impl Instance {
             self.settings.solved &= inputs == self.settings.inputs && parameters == self.settings.parameters;
         }
         if parameters != self.settings.parameters {
-            self.simulation = None;
+            self.model = None;
         }
         (self.settings.parameters, self.settings.inputs) = (parameters, inputs);
         Ok(())
@@ -306,7 +314,7 @@ impl Instance {
                 variable.set(&mut parameters, &mut target, &Value::Real(value))?;
             }
         }
-        if let Err(refusal) = self.solve(|simulation| simulation.advance(drive, step)) {
+        if let Err(refusal) = self.solve(|model| model.advance(drive, step)) {
             // FMI 3 has no state for this: the instance is where it was, and a smaller step may follow.
             if refusal.status == Status::Discard && self.standard == Standard::Fmi2 {
                 self.settings.phase = Phase::StepFailed;
@@ -332,24 +340,22 @@ impl Instance {
 
     /// Copies the state.
     pub fn save(&self) -> SavedState {
-        SavedState::new(&self.settings, self.simulation.as_ref())
+        SavedState::new(&self.settings, self.model.as_ref())
     }
 
     /// Returns to a copied state. On an error nothing changes.
     pub fn restore(&mut self, saved: &SavedState) -> Answer<()> {
-        let Some(snapshot) = &saved.snapshot else {
-            self.simulation = None;
+        let Some(state) = &saved.model else {
+            self.model = None;
             self.settings = saved.settings.clone();
             return Ok(());
         };
-        match &mut self.simulation {
-            Some(simulation) if *simulation.parameters() == saved.settings.parameters => {
-                simulation.restore(snapshot)?
-            }
+        match &mut self.model {
+            Some(model) if *model.parameters() == saved.settings.parameters => model.restore(state)?,
             slot => {
-                let mut simulation = Simulation::new(&saved.settings.parameters)?;
-                simulation.restore(snapshot)?;
-                *slot = Some(simulation);
+                let mut model = Model::new(&saved.settings.parameters, self.resources.as_deref())?;
+                model.restore(state)?;
+                *slot = Some(model);
             }
         }
         self.settings = saved.settings.clone();
@@ -361,20 +367,23 @@ impl Instance {
             return Ok(());
         }
         let inputs = self.settings.inputs;
-        self.solve(|simulation| simulation.solve_steady(inputs))
+        self.solve(|model| model.solve_steady(inputs))
     }
 
-    fn solve(&mut self, solve: impl FnOnce(&mut Simulation) -> Result<(), Error>) -> Answer<()> {
-        let simulation = match &mut self.simulation {
-            Some(simulation) => simulation,
-            slot => slot.insert(Simulation::new(&self.settings.parameters)?),
+    fn solve(&mut self, solve: impl FnOnce(&mut Model) -> Result<(), Error>) -> Answer<()> {
+        let model = match &mut self.model {
+            Some(model) => model,
+            slot => {
+                let model = Model::new(&self.settings.parameters, self.resources.as_deref())?;
+                if let Some(line) = model.introduction() {
+                    self.log.add(Status::Ok, Category::Solver, line);
+                }
+                slot.insert(model)
+            }
         };
-        solve(simulation)?;
+        solve(model)?;
         self.settings.solved = true;
-        let (inputs, outputs) = (simulation.inputs(), simulation.outputs());
-        let line =
-            format!("solved {inputs:?}: {} Newton iterations, {:.6e} N/m", outputs.newton_iterations, outputs.load);
-        self.log.add(Status::Ok, Category::Solver, line);
+        self.log.add(Status::Ok, Category::Solver, model.report());
         Ok(())
     }
 }

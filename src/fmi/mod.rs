@@ -6,6 +6,8 @@
 //! | [`phase`] | which call is legal when |
 //! | [`log`] | which messages the importer wants |
 //! | [`instance`] | one instance: inputs, outputs, steps; knows nothing of C |
+//! | [`model`] | what it asks for outputs: the full or the real-time model |
+//! | [`resources`] | the table of the real-time model in the unpacked FMU |
 //! | [`derivatives`] | of outputs with respect to inputs and time |
 //! | [`state`] | saved states and their bytes |
 //! | [`description`] | `modelDescription.xml` |
@@ -24,7 +26,9 @@ pub mod fmi2;
 pub mod fmi3;
 pub mod instance;
 pub mod log;
+pub mod model;
 pub mod phase;
+pub mod resources;
 pub mod standard;
 pub mod state;
 

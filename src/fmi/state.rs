@@ -8,9 +8,9 @@ use uuid::Uuid;
 
 use crate::error::Error;
 use crate::fmi::description;
+use crate::fmi::model::{Model, ModelState};
 use crate::fmi::phase::Phase;
 use crate::parameters::{Inputs, Parameters};
-use crate::simulation::{Simulation, Snapshot};
 
 /// Everything about an instance that is not the solver's.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -49,15 +49,15 @@ impl Default for Settings {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SavedState {
     pub(super) settings: Settings,
-    pub(super) snapshot: Option<Snapshot>,
+    pub(super) model: Option<ModelState>,
 }
 
 const MAGIC: &[u8] = b"CartilageLineContact state ";
 const CHECK_SUM_LENGTH: usize = 16;
 
 impl SavedState {
-    pub(super) fn new(settings: &Settings, simulation: Option<&Simulation>) -> Self {
-        Self { settings: settings.clone(), snapshot: simulation.map(Simulation::snapshot) }
+    pub(super) fn new(settings: &Settings, model: Option<&Model>) -> Self {
+        Self { settings: settings.clone(), model: model.map(Model::save) }
     }
 
     /// The bytes that [`SavedState::from_bytes`] reads.

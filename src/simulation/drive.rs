@@ -35,7 +35,7 @@ impl Drive {
     }
 
     /// Rates of depth, speed and slide-to-roll ratio some time after the start.
-    pub(super) fn rates_at(&self, time: f64) -> Direction {
+    pub fn rates_at(&self, time: f64) -> Direction {
         let approach = if self.interpolated() { self.rates.penetration_depth } else { self.at(time).approach_speed };
         Direction {
             penetration_depth: approach,
@@ -45,7 +45,7 @@ impl Drive {
     }
 
     /// What depth, speed, slide-to-roll ratio and load do some time after the start where one input differs by one unit.
-    pub(super) fn change(&self, input: Input, time: f64) -> (Direction, f64) {
+    pub fn change(&self, input: Input, time: f64) -> (Direction, f64) {
         let depth = |change| (Direction { penetration_depth: change, ..Direction::default() }, 0.0);
         match input {
             Input::PenetrationDepth => depth(1.0),

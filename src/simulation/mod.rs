@@ -17,7 +17,7 @@ use crate::equations::system::{System, half_width};
 use crate::error::Error;
 use crate::fields::{Fields, Solution};
 use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
-use crate::parameters::{Inputs, Parameters, TimeIntegration};
+use crate::parameters::{Fidelity, Inputs, Parameters, TimeIntegration};
 
 /// The continuous inputs, in the order of the derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,6 +81,9 @@ impl Simulation {
     /// [`Error::Value`] where a parameter is out of range.
     pub fn new(parameters: &Parameters) -> Result<Self, Error> {
         parameters.validate()?;
+        if parameters.fidelity == Fidelity::Reduced {
+            return Err(Error::value("fidelity", "reduced", "full: only an FMU has a reduced model in its resources"));
+        }
         Ok(Self {
             bodies: Bodies::new(parameters),
             state: None,

@@ -12,11 +12,12 @@ use cartilage_contact::fields::Fields;
 use cartilage_contact::io::case::Case;
 use cartilage_contact::io::vtu;
 use cartilage_contact::parameters::{Inputs, Value};
+use cartilage_contact::sweep;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::case::{CaseArguments, numbers};
 use super::figures::fields::Picture;
-use super::{Failure, figures, format, print, sweep};
+use super::{Failure, figures, format, print};
 pub use table::Table;
 
 /// The depths of the paper's Table 2.

@@ -41,7 +41,7 @@ fn no_instance(
     log_message: fmi3LogMessageCallback,
 ) -> *mut c_void {
     let messenger = Messenger { listener: Listener::Plain(log_message), environment };
-    create(Standard::Fmi3, function, || refuse(why), Log::new(false), messenger)
+    create(Standard::Fmi3, function, || refuse(why), Log::new(false), messenger, None)
 }
 
 /// Tells that there is no model exchange.

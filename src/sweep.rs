@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use cartilage_contact::error::Error;
-use cartilage_contact::parameters::{Control, Inputs, Parameters};
-use cartilage_contact::simulation::Simulation;
+use crate::error::Error;
+use crate::parameters::{Control, Inputs, Parameters};
+use crate::simulation::Simulation;
 
 /// Fewer points than this are not shared out: a state far from the last one costs as much as several nearby.
 const SMALLEST_SHARE: usize = 4;

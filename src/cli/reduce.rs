@@ -1,0 +1,79 @@
+//! `cartilage-contact reduce`: FMUs with the real-time model of a case.
+
+use std::path::PathBuf;
+
+use cartilage_contact::reduced::{Progress, Range, ReducedModel, Tolerance};
+
+use super::case::CaseArguments;
+use super::package::{DEFAULT_OUTPUT, package};
+use super::stribeck::progress;
+use super::{Failure, print};
+
+const ABOUT: &str = "\
+The real-time model is a table of solved states over penetration depth and sliding speed, at the slide-to-roll ratio of the case. It is \
+refined until it meets other states of the full model: load within 1 %, least film thickness and (away from first touch) friction \
+within 2 %, pressure profile within 3 %. What is reached is printed, and the FMU logs it. Set `fidelity` = reduced in the FMU to use \
+it; the other parameters have to be those of the case.";
+
+/// Make the real-time model of a case, and FMUs that have it.
+#[derive(clap::Args)]
+#[command(after_help = ABOUT)]
+pub struct Arguments {
+    #[command(flatten)]
+    case: CaseArguments,
+
+    /// Least and largest penetration depth [m]
+    #[arg(long, value_name = "LEAST:MOST", allow_hyphen_values = true, default_value = "-20e-6:60e-6")]
+    depths: String,
+
+    /// Slowest and fastest sliding speed in either direction [m/s]; below the slowest the film stays as it is there
+    #[arg(long, value_name = "SLOWEST:FASTEST", default_value = "0.002:0.5")]
+    speeds: String,
+
+    /// Threads; by default one a processor
+    #[arg(long, value_name = "COUNT")]
+    threads: Option<usize>,
+
+    /// A shared library to put in, one a platform; by default the one that was built together with this program
+    #[arg(long, value_name = "PATH")]
+    library: Vec<PathBuf>,
+
+    /// Where to write the FMU of FMI 2.0; that of FMI 3.0 goes beside it (.fmi3.fmu)
+    #[arg(long, value_name = "PATH", default_value = DEFAULT_OUTPUT)]
+    output: PathBuf,
+}
+
+/// Makes the table, says how good it is, and packs it.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let case = arguments.case.load()?;
+    let range = Range {
+        depths: pair("--depths", &arguments.depths)?,
+        speeds: pair("--speeds", &arguments.speeds)?,
+        slide_to_roll_ratio: case.inputs.slide_to_roll_ratio,
+    };
+    let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let bar = progress(0);
+    let tolerance = Tolerance::default();
+    let model = ReducedModel::build(&case.parameters, range, tolerance, threads, &|Progress { solved, planned }| {
+        bar.set_length(planned as u64);
+        bar.set_position(solved as u64);
+    });
+    bar.finish_and_clear();
+    let model = model?;
+    let missed = match model.keeps(&tolerance) {
+        true => "",
+        false => {
+            "It misses what is asked of it (see --help): on a mesh as coarse as this the film closes element by element.\n"
+        }
+    };
+    let [fmi2, fmi3] = package(&arguments.library, Some(&model), &arguments.output)?;
+    print(&format!("{model}\n{missed}\nWrote\n  {}\n  {}\n", fmi2.display(), fmi3.display()))
+}
+
+fn pair(flag: &str, text: &str) -> Result<[f64; 2], Failure> {
+    let numbers: Option<Vec<f64>> = text.split(':').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some([first, last]) => Ok([*first, *last]),
+        _ => Err(Failure::Usage(format!("{flag} {text}: give two numbers, such as {flag}=-20e-6:60e-6"))),
+    }
+}

@@ -1,0 +1,194 @@
+//! What an instance asks for outputs: the full model, or the real-time one.
+
+use crate::equations::system::Direction;
+use crate::error::Error;
+use crate::fmi::resources;
+use crate::outputs::Outputs;
+use crate::parameters::{Control, Fidelity, Inputs, Parameters, TimeIntegration};
+use crate::reduced::ReducedModel;
+use crate::simulation::{Drive, Input, Simulation, Snapshot};
+use crate::variables::{Variable, View};
+
+/// Either of them, with its last solution.
+pub enum Model {
+    /// Solves the equations.
+    Full(Box<Simulation>),
+    /// Evaluates a table.
+    Reduced(Box<Table>),
+}
+
+/// The real-time model at its present inputs.
+pub struct Table {
+    parameters: Parameters,
+    model: ReducedModel,
+    /// What the inputs did in the last step, and how long that was [s].
+    drive: Drive,
+    duration: f64,
+    inputs: Inputs,
+    outputs: Outputs,
+    derivatives: [Outputs; 3],
+}
+
+/// What is needed to go on from a state.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub enum ModelState {
+    /// The full model's state.
+    Full(Snapshot),
+    /// The last step: the table has no other memory.
+    Reduced(Drive, f64),
+}
+
+impl Model {
+    /// As the parameters ask for; the real-time model is read from the folder of resources.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a parameter out of range; for the real-time model those of [`resources::reduced_model`].
+    pub fn new(parameters: &Parameters, resource_location: Option<&str>) -> Result<Self, Error> {
+        parameters.validate()?;
+        if parameters.fidelity == Fidelity::Full {
+            return Ok(Self::Full(Box::new(Simulation::new(parameters)?)));
+        }
+        if parameters.time_integration != TimeIntegration::QuasiSteady {
+            return Err(Error::value("time_integration", "transient", "quasi_steady where fidelity is reduced"));
+        }
+        if parameters.control != Control::Depth {
+            return Err(Error::value("control", "load", "depth where fidelity is reduced"));
+        }
+        let model = resources::reduced_model(resource_location, parameters)?;
+        let (inputs, derivatives) = (Inputs::default(), std::array::from_fn(|_| Outputs::default()));
+        let (drive, outputs) = (Drive::constant(inputs), Outputs::default());
+        let table = Table { parameters: *parameters, model, drive, duration: 0.0, inputs, outputs, derivatives };
+        Ok(Self::Reduced(Box::new(table)))
+    }
+
+    /// The parameters it was made with.
+    pub fn parameters(&self) -> &Parameters {
+        match self {
+            Self::Full(simulation) => simulation.parameters(),
+            Self::Reduced(table) => &table.parameters,
+        }
+    }
+
+    /// The steady state for these inputs.
+    ///
+    /// # Errors
+    /// Why there is none; the last solution is then kept.
+    pub fn solve_steady(&mut self, inputs: Inputs) -> Result<(), Error> {
+        match self {
+            Self::Full(simulation) => simulation.solve_steady(inputs),
+            Self::Reduced(table) => table.look_up(Drive::constant(inputs), 0.0),
+        }
+    }
+
+    /// The state after a step.
+    ///
+    /// # Errors
+    /// Why there is none; the last solution is then kept.
+    pub fn advance(&mut self, drive: Drive, duration: f64) -> Result<(), Error> {
+        match self {
+            Self::Full(simulation) => simulation.advance(drive, duration),
+            Self::Reduced(table) => table.look_up(drive, duration),
+        }
+    }
+
+    /// Derivative of a variable by an input, where it has one.
+    ///
+    /// # Errors
+    /// [`Error::State`] where there is no state yet.
+    pub fn derivative(&mut self, variable: &Variable, input: Input) -> Result<Option<f64>, Error> {
+        match self {
+            Self::Full(simulation) => Ok(variable.derivative(simulation.derivatives(input)?)),
+            Self::Reduced(table) => Ok(table.along(variable, table.drive.change(input, table.duration).0)),
+        }
+    }
+
+    /// Derivative of a variable by time at the end of the last step, where it has one.
+    ///
+    /// # Errors
+    /// [`Error::State`] where there is no state yet.
+    pub fn rate(&mut self, variable: &Variable) -> Result<Option<f64>, Error> {
+        match self {
+            Self::Full(simulation) => Ok(variable.derivative(simulation.rates()?)),
+            Self::Reduced(table) => Ok(table.along(variable, table.drive.rates_at(table.duration))),
+        }
+    }
+
+    /// Rate of change of the normal force with the penetration depth [N/m].
+    ///
+    /// # Errors
+    /// [`Error::State`] where there is no state yet.
+    pub fn contact_stiffness(&mut self) -> Result<f64, Error> {
+        match self {
+            Self::Full(simulation) => simulation.contact_stiffness(),
+            Self::Reduced(table) => Ok(table.derivatives[0].normal_force),
+        }
+    }
+
+    /// What variables are read from, but for the contact stiffness.
+    pub fn view(&self) -> View<'_> {
+        match self {
+            Self::Full(simulation) => View::without_stiffness(simulation),
+            Self::Reduced(table) => View {
+                parameters: &table.parameters,
+                inputs: &table.inputs,
+                outputs: &table.outputs,
+                contact_stiffness: 0.0,
+                position: table.model.position(),
+            },
+        }
+    }
+
+    /// A line for the log: what the last solution took.
+    pub fn report(&self) -> String {
+        let View { inputs, outputs, .. } = self.view();
+        let how = match self {
+            Self::Full(_) => format!("{} Newton iterations", outputs.newton_iterations),
+            Self::Reduced(_) => "reduced model".into(),
+        };
+        format!("solved {inputs:?}: {how}, {:.6e} N/m", outputs.load)
+    }
+
+    /// A line for the log when the real-time model was read: what it covers and its measured error.
+    pub fn introduction(&self) -> Option<String> {
+        match self {
+            Self::Full(_) => None,
+            Self::Reduced(table) => Some(table.model.to_string()),
+        }
+    }
+
+    /// A copy of the state.
+    pub fn save(&self) -> ModelState {
+        match self {
+            Self::Full(simulation) => ModelState::Full(simulation.snapshot()),
+            Self::Reduced(table) => ModelState::Reduced(table.drive, table.duration),
+        }
+    }
+
+    /// Returns to a copied state.
+    ///
+    /// # Errors
+    /// [`Error::State`] where it does not fit.
+    pub fn restore(&mut self, state: &ModelState) -> Result<(), Error> {
+        match (self, state) {
+            (Self::Full(simulation), ModelState::Full(snapshot)) => simulation.restore(snapshot),
+            (Self::Reduced(table), ModelState::Reduced(drive, duration)) => table.look_up(*drive, *duration),
+            _ => Err(Error::State("it is of the other fidelity".into())),
+        }
+    }
+}
+
+impl Table {
+    fn look_up(&mut self, drive: Drive, duration: f64) -> Result<(), Error> {
+        let inputs = drive.at(duration);
+        (self.outputs, self.derivatives) = self.model.evaluate(&inputs)?;
+        (self.inputs, self.drive, self.duration) = (inputs, drive, duration);
+        Ok(())
+    }
+
+    /// Derivative of a variable along a change of the inputs.
+    fn along(&self, variable: &Variable, direction: Direction) -> Option<f64> {
+        let changes = [direction.penetration_depth, direction.sliding_speed, direction.slide_to_roll_ratio];
+        let slopes = self.derivatives.iter().zip(changes);
+        slopes.map(|(derivatives, change)| Some(change * variable.derivative(derivatives)?)).sum()
+    }
+}

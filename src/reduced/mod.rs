@@ -1,0 +1,346 @@
+//! The real-time model: a table of solved states over penetration depth and sliding speed at one slide-to-roll ratio, and cubic
+//! polynomials between them, with a measured error.
+//!
+//! A step takes microseconds instead of a tenth of a second. The table is refined until states of the full model between its
+//! own are met; how the interpolation goes along with first touch and the powers of speed is in `table.rs`.
+//!
+//! Reversing the speed mirrors the contact, so only positive speeds are solved. Below the slowest speed of the table the state is
+//! the mean of that speed's and its mirror image, weighted so that it changes linearly from one to the other: load, film and the
+//! amount of contact stay, and the fluid's friction goes through zero with the speed.
+
+mod build;
+mod table;
+
+use num_dual::Dual64;
+use serde::{Deserialize, Serialize};
+use uuid::Uuid;
+
+use crate::equations::system::{half_width, surface_speeds};
+use crate::error::Error;
+use crate::laws::contact::mobilised_friction;
+use crate::outputs::{Outputs, Regime, STATIONS, magnitude, profile_stations, ratio_of};
+use crate::parameters::{Inputs, Parameters};
+pub use build::{Progress, Tolerance};
+use table::{Chart, Grid, Patch, SCALARS, Side, State, mirrored, place, positive};
+
+/// The inputs that a table covers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Range {
+    /// Least and largest penetration depth [m].
+    pub depths: [f64; 2],
+    /// Slowest and fastest speed in either direction [m/s]; the slowest is above 0, and between it and 0 the state hardly
+    /// changes.
+    pub speeds: [f64; 2],
+    /// The one slide-to-roll ratio [1].
+    pub slide_to_roll_ratio: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { depths: [-20e-6, 60e-6], speeds: [0.002, 0.5], slide_to_roll_ratio: 0.0 }
+    }
+}
+
+impl Range {
+    /// Refuses inputs that it does not cover.
+    fn check(&self, inputs: &Inputs) -> Result<(), Error> {
+        let [least, most] = self.depths;
+        let (fastest, ratio) = (self.speeds[1], self.slide_to_roll_ratio);
+        let refuse = |name, value: f64, allowed| {
+            Err(Error::value(
+                name,
+                value,
+                format!("{allowed}, which the reduced model covers; fidelity = full has more"),
+            ))
+        };
+        if !(least..=most).contains(&inputs.penetration_depth) {
+            let allowed = format!("a number from {least:e} to {most:e} m");
+            return refuse("penetration_depth", inputs.penetration_depth, allowed);
+        }
+        if !(-fastest..=fastest).contains(&inputs.sliding_speed) {
+            let allowed = format!("a number from {} to {fastest} m/s", -fastest);
+            return refuse("sliding_speed", inputs.sliding_speed, allowed);
+        }
+        if inputs.slide_to_roll_ratio != ratio {
+            return refuse("slide_to_roll_ratio", inputs.slide_to_roll_ratio, format!("{ratio}, the one"));
+        }
+        Ok(())
+    }
+}
+
+/// Largest and root mean square of an error.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Deviation {
+    /// Largest.
+    pub largest: f64,
+    /// Root mean square.
+    pub root_mean_square: f64,
+}
+
+/// How far the table is from the full model, measured at states that it was not made from.
+///
+/// The error of a profile is its root mean square over the stations. *Near first touch* is within 1/40 of the range of depths. A
+/// film is measured against that in the middle of the contact at first touch where it is thinner.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// How many states were compared.
+    pub states: usize,
+    /// Of the load, relative.
+    pub load: Deviation,
+    /// Of the least film thickness, relative.
+    pub minimum_film_thickness: Deviation,
+    /// Of the friction coefficient away from first touch, relative.
+    pub friction_coefficient: Deviation,
+    /// Of the friction coefficient near first touch, relative.
+    pub friction_coefficient_near_touch: Deviation,
+    /// Of the film profile where it is less than ten times the film in the middle of the contact, relative to that.
+    pub film_thickness: Deviation,
+    /// Of the profile of the fluid pressure, relative to the largest fluid pressure of the state.
+    pub fluid_pressure: Deviation,
+    /// Of the profile of the contact pressure away from first touch, relative to the largest contact pressure of the state.
+    pub contact_pressure: Deviation,
+    /// Of the largest von Mises stress, relative.
+    pub maximum_von_mises_stress: Deviation,
+    /// Of the contact stiffness away from first touch, relative.
+    pub contact_stiffness: Deviation,
+}
+
+/// What the bytes hold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Content {
+    parameters: Parameters,
+    range: Range,
+    accuracy: Accuracy,
+    chart: Chart,
+    grids: Vec<Grid>,
+}
+
+/// The real-time model of one case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReducedModel {
+    content: Content,
+    patches: Vec<Patch>,
+    position: Vec<f64>,
+}
+
+const MAGIC: &[u8] = b"CartilageLineContact reduced model 1 ";
+const CHECK_SUM_LENGTH: usize = 16;
+
+fn check_sum(payload: &[u8]) -> Uuid {
+    let writer = Uuid::new_v5(&Uuid::NAMESPACE_OID, env!("CARGO_PKG_VERSION").as_bytes());
+    Uuid::new_v5(&writer, payload)
+}
+
+impl ReducedModel {
+    fn new(content: Content) -> Self {
+        let logarithmic = positive(&content.grids);
+        let patches = content.grids.iter().map(|grid| Patch::new(grid, &content.chart, logarithmic)).collect();
+        let position = profile_stations(half_width(&content.parameters));
+        Self { content, patches, position }
+    }
+
+    /// The case that it was made from.
+    pub fn parameters(&self) -> &Parameters {
+        &self.content.parameters
+    }
+
+    /// The inputs that it covers.
+    pub fn range(&self) -> &Range {
+        &self.content.range
+    }
+
+    /// Its measured error.
+    pub fn accuracy(&self) -> &Accuracy {
+        &self.content.accuracy
+    }
+
+    /// Whether the measured error is within a tolerance.
+    pub fn keeps(&self, tolerance: &Tolerance) -> bool {
+        let Accuracy { load, minimum_film_thickness, friction_coefficient, fluid_pressure, .. } =
+            &self.content.accuracy;
+        load.largest <= tolerance.load
+            && minimum_film_thickness.largest <= tolerance.minimum_film_thickness
+            && friction_coefficient.largest <= tolerance.friction_coefficient
+            && fluid_pressure.largest <= tolerance.fluid_pressure
+    }
+
+    /// How many solved states it has.
+    pub fn states(&self) -> usize {
+        self.content.grids.iter().map(|grid| grid.stations.len() * self.content.chart.log_speeds.len()).sum()
+    }
+
+    /// The fixed stations of the profiles [m], ascending.
+    pub fn position(&self) -> &[f64] {
+        &self.position
+    }
+
+    /// Penetration depth at which the solids first touch at a speed [m]; `None` where that is not in the table.
+    pub fn first_touch(&self, sliding_speed: f64) -> Option<f64> {
+        Some(self.content.chart.touch(self.log_speed(sliding_speed))?[0])
+    }
+
+    fn log_speed(&self, sliding_speed: f64) -> f64 {
+        sliding_speed.abs().max(self.content.range.speeds[0]).ln()
+    }
+
+    /// Outputs, and their derivatives by penetration depth, sliding speed and slide-to-roll ratio.
+    ///
+    /// Those by depth and speed are exactly the derivatives of the outputs returned here. The one by the ratio, which is fixed, is
+    /// that of the full model, interpolated linearly.
+    ///
+    /// # Errors
+    /// [`Error::Value`] where the table does not cover the inputs, with what it covers.
+    pub fn evaluate(&self, inputs: &Inputs) -> Result<(Outputs, [Outputs; 3]), Error> {
+        self.content.range.check(inputs)?;
+        let chart = &self.content.chart;
+        let speed = inputs.sliding_speed;
+        let slowest = self.content.range.speeds[0];
+        let log_speed = self.log_speed(speed);
+        let (side, station) = chart.station(self.patches[0].side, inputs.penetration_depth, log_speed);
+        let Some(patch) = self.patches.iter().find(|patch| patch.side == side) else {
+            return Err(Error::State("the reduced model has no states there".into()));
+        };
+        let state = patch.state(chart, station, log_speed);
+        let state = if speed < slowest { towards_reverse(&state, speed, slowest) } else { state };
+        Ok(self.outputs(inputs, &state, side))
+    }
+
+    /// Outputs and derivatives from what is interpolated.
+    fn outputs(&self, inputs: &Inputs, state: &State, side: Side) -> (Outputs, [Outputs; 3]) {
+        let boundary = boundary_friction(&self.content.parameters, inputs);
+        let [depth, speed, ratio] = [0, 1, 2].map(|k| self.along(inputs, state, side, k, boundary));
+        let values = speed.map(|dual| dual.re);
+        (values, [depth, speed, ratio].map(|along| along.map(|dual| dual.eps)))
+    }
+
+    /// Outputs with their derivative by one input.
+    fn along(&self, inputs: &Inputs, state: &State, side: Side, input: usize, boundary: [f64; 4]) -> Outputs<Dual64> {
+        let p = &self.content.parameters;
+        let dual = |q: usize| Dual64::new(state[0][q], state[1 + input][q]);
+        let profile = |k: usize| (0..STATIONS).map(|i| dual(SCALARS + k * STATIONS + i)).collect();
+        let speed = Dual64::new(inputs.sliding_speed, if input == 1 { 1.0 } else { 0.0 });
+        let (fluid_load, solid_load) = (dual(place::FLUID_LOAD), dual(place::SOLID_LOAD));
+        let load = fluid_load + solid_load;
+        let solid_friction = solid_load * Dual64::new(boundary[0], boundary[1 + input]);
+        let fluid_friction = [dual(place::UPPER_FRICTION), dual(place::LOWER_FRICTION)];
+        let friction = fluid_friction.map(|fluid| fluid + solid_friction);
+        Outputs {
+            load,
+            fluid_load,
+            solid_load,
+            normal_force: load * p.width,
+            upper_friction_force: friction[0] * p.width,
+            lower_friction_force: friction[1] * p.width,
+            friction_coefficient: ratio_of(magnitude(friction[0]), load),
+            fluid_friction_coefficient: ratio_of(magnitude(fluid_friction[0]), fluid_load),
+            fluid_load_support: ratio_of(fluid_load, load),
+            minimum_film_thickness: dual(place::MINIMUM_FILM),
+            minimum_film_position: dual(place::MINIMUM_FILM_POSITION),
+            central_film_thickness: dual(place::CENTRAL_FILM),
+            contact_length: dual(place::CONTACT_LENGTH),
+            maximum_fluid_pressure: dual(place::MAXIMUM_FLUID_PRESSURE),
+            minimum_fluid_pressure: dual(place::MINIMUM_FLUID_PRESSURE),
+            maximum_contact_pressure: dual(place::MAXIMUM_CONTACT_PRESSURE),
+            maximum_von_mises_stress: dual(place::VON_MISES),
+            sommerfeld_number: ratio_of(speed * p.viscosity, load),
+            fluid_exudation: dual(place::EXUDATION),
+            net_fluid_exudation: dual(place::NET_EXUDATION),
+            penetration_depth: Dual64::new(inputs.penetration_depth, if input == 0 { 1.0 } else { 0.0 }),
+            lubrication_regime: Regime::of(
+                side == Side::Contact,
+                inputs.penetration_depth,
+                fluid_load.re,
+                solid_load.re,
+            ),
+            newton_iterations: 0,
+            film_thickness: profile(0),
+            fluid_pressure: profile(1),
+            contact_pressure: profile(2),
+        }
+    }
+
+    /// The bytes that [`ReducedModel::from_bytes`] reads.
+    ///
+    /// # Errors
+    /// [`Error::State`] where memory runs out.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
+        let payload = postcard::to_stdvec(&self.content).map_err(|error| Error::State(error.to_string()))?;
+        Ok([MAGIC, check_sum(&payload).as_bytes(), &payload].concat())
+    }
+
+    /// Reads what [`ReducedModel::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// [`Error::State`] saying what is wrong with the bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        let refuse = |why: &str| Err(Error::State(format!("{why}; make it anew with `cartilage-contact reduce`")));
+        let Some((sum, payload)) = bytes.strip_prefix(MAGIC).and_then(|rest| rest.split_at_checked(CHECK_SUM_LENGTH))
+        else {
+            return refuse("these bytes are no reduced model");
+        };
+        if sum != check_sum(payload).as_bytes() {
+            return refuse("the bytes of the reduced model were cut or altered, or another version wrote them");
+        }
+        let content: Content = postcard::from_bytes(payload).map_err(|error| Error::State(error.to_string()))?;
+        let lines = content.chart.log_speeds.len();
+        let chart_fits = lines >= 2 && [0, lines].contains(&content.chart.touch.len());
+        if !chart_fits || content.grids.is_empty() || !content.grids.iter().all(|grid| grid.fits(&content.chart)) {
+            return refuse("the reduced model is incomplete");
+        }
+        content.parameters.validate()?;
+        Ok(Self::new(content))
+    }
+}
+
+/// The state at a speed below the slowest one, from the state at that one.
+fn towards_reverse(state: &State, speed: f64, slowest: f64) -> State {
+    let mirror = mirrored(state);
+    let weight = (speed / slowest).max(-1.0);
+    let mut result = *state;
+    for (k, values) in result.iter_mut().enumerate() {
+        for (q, value) in values.iter_mut().enumerate() {
+            *value = match k {
+                2 if weight == -1.0 => -mirror[2][q],
+                2 => (state[0][q] - mirror[0][q]) / (2.0 * slowest),
+                _ => 0.5 * ((1.0 + weight) * *value + (1.0 - weight) * mirror[k][q]),
+            };
+        }
+    }
+    result
+}
+
+/// What it covers and its measured error, in a line.
+impl std::fmt::Display for ReducedModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (Content { range, accuracy, .. }, percent) = (&self.content, |d: Deviation| 100.0 * d.largest);
+        write!(
+            f,
+            "reduced model of {} states: penetration_depth {:e} to {:e} m, sliding_speed up to {} m/s either way (below {} m/s \
+             the film is that at {} m/s), slide_to_roll_ratio {}; largest errors at {} other states: load {:.2} %, minimum film \
+             thickness {:.2} %, friction coefficient {:.2} %, {:.0} % near first touch; pressure profile {:.1} % of its maximum",
+            self.states(),
+            range.depths[0],
+            range.depths[1],
+            range.speeds[1],
+            range.speeds[0],
+            range.speeds[0],
+            range.slide_to_roll_ratio,
+            accuracy.states,
+            percent(accuracy.load),
+            percent(accuracy.minimum_film_thickness),
+            percent(accuracy.friction_coefficient),
+            percent(accuracy.friction_coefficient_near_touch),
+            percent(accuracy.fluid_pressure),
+        )
+    }
+}
+
+/// Friction of solid on solid over the solid load, and its derivatives by the three inputs.
+fn boundary_friction(p: &Parameters, inputs: &Inputs) -> [f64; 4] {
+    let (mobilised, slopes) =
+        mobilised_friction(p.formulation, surface_speeds(inputs), p.friction_regularisation_speed);
+    let (u, s) = (inputs.sliding_speed, inputs.slide_to_roll_ratio);
+    let by_speed = 0.5 * ((1.0 + s) * slopes[0] + (1.0 - s) * slopes[1]);
+    let by_ratio = 0.5 * u * (slopes[0] - slopes[1]);
+    [mobilised, 0.0, by_speed, by_ratio].map(|value| value * p.boundary_friction_coefficient)
+}

@@ -1,0 +1,180 @@
+//! The real-time model against the full one, and against what an interpolant has to be: smooth, with its own derivatives.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+use cartilage_contact::outputs::Outputs;
+use cartilage_contact::parameters::{Inputs, Mesh, Parameters};
+use cartilage_contact::reduced::{Range, ReducedModel, Tolerance};
+use cartilage_contact::simulation::Simulation;
+use cartilage_contact::variables::{Source, VARIABLES};
+
+const RANGE: Range = Range { depths: [-6e-6, 20e-6], speeds: [0.15, 0.4], slide_to_roll_ratio: 0.0 };
+
+const TOLERANCE: Tolerance =
+    Tolerance { load: 0.01, minimum_film_thickness: 0.02, friction_coefficient: 0.02, fluid_pressure: 0.03 };
+
+/// Few elements, but where the film closes: on coarser ones it does so in steps, and no table follows those.
+fn parameters() -> Parameters {
+    Parameters {
+        mesh: Mesh { columns: 60, rows: 2, ..Parameters::default().mesh },
+        sector_half_angle: std::f64::consts::PI / 72.0,
+        ..Parameters::default()
+    }
+}
+
+fn model() -> &'static ReducedModel {
+    static MODEL: OnceLock<ReducedModel> = OnceLock::new();
+    MODEL.get_or_init(|| ReducedModel::build(&parameters(), RANGE, TOLERANCE, 2, &|_| ()).unwrap())
+}
+
+fn inputs(micron: f64, sliding_speed: f64) -> Inputs {
+    Inputs { penetration_depth: micron * 1e-6, sliding_speed, slide_to_roll_ratio: 0.0, ..Inputs::NONE }
+}
+
+/// All smooth outputs by name, the profiles among them.
+fn numbers(outputs: &Outputs) -> Vec<(&'static str, f64)> {
+    let number = |source: &Source| match source {
+        Source::Result(get) => Some(get(outputs)),
+        Source::Profile(get, station) => Some(get(outputs)[*station]),
+        _ => None,
+    };
+    VARIABLES.iter().filter_map(|row| Some((row.name.as_str(), number(&row.source)?))).collect()
+}
+
+/// Largest value of each output over the range, for scale; of a profile, that of all its stations.
+fn scales() -> Vec<f64> {
+    let mut largest: HashMap<&str, f64> = HashMap::new();
+    let whole = |name: &'static str| name.split('[').next().unwrap();
+    for micron in -6..=20 {
+        for speed in [0.15, 0.4] {
+            for (name, value) in numbers(&model().evaluate(&inputs(micron.into(), speed)).unwrap().0) {
+                let scale = largest.entry(whole(name)).or_default();
+                *scale = scale.max(value.abs());
+            }
+        }
+    }
+    numbers(&model().evaluate(&inputs(0.0, 0.2)).unwrap().0).iter().map(|(name, _)| largest[whole(name)]).collect()
+}
+
+#[test]
+fn it_meets_the_full_model_within_its_tolerance() {
+    assert!(model().keeps(&TOLERANCE), "{:#?}", model().accuracy());
+    let mut full = Simulation::new(&parameters()).unwrap();
+    for (micron, speed) in [(-5.3, 0.16), (-1.1, 0.31), (3.7, 0.23), (16.1, 0.17), (17.3, -0.29), (19.7, 0.21)] {
+        full.solve_steady(inputs(micron, speed)).unwrap();
+        let (table, full) = (model().evaluate(&inputs(micron, speed)).unwrap().0, full.outputs());
+        let off = |of: fn(&Outputs) -> f64| (of(&table) / of(full) - 1.0).abs();
+        let place = format!("{micron} micron, {speed} m/s");
+        assert!(off(|o| o.load) < TOLERANCE.load, "{place}: {} for {}", table.load, full.load);
+        assert!(
+            off(|o| o.friction_coefficient) < TOLERANCE.friction_coefficient,
+            "{place}: {} for {}",
+            table.friction_coefficient,
+            full.friction_coefficient
+        );
+        assert!(off(|o| o.upper_friction_force) < 0.03 && off(|o| o.lower_friction_force) < 0.03, "{place}");
+        assert_eq!(table.lubrication_regime, full.lubrication_regime, "{place}");
+        // Where pressure falls steeply in the constriction, single stations are farther off.
+        let squares = table.fluid_pressure.iter().zip(&full.fluid_pressure).map(|(a, b)| (a - b).powi(2));
+        let mean = (squares.sum::<f64>() / 101.0).sqrt();
+        assert!(
+            mean < TOLERANCE.fluid_pressure * full.maximum_fluid_pressure,
+            "{place}: {mean} Pa of {}",
+            full.maximum_fluid_pressure
+        );
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_the_interpolant() {
+    let scales = scales();
+    // Film, contact, reversed; slower than the table in both directions.
+    for (micron, speed) in [(-3.3, 0.2), (18.2, 0.33), (17.1, -0.17), (1.2, 0.07), (19.0, -0.03)] {
+        let at = inputs(micron, speed);
+        let derivatives = model().evaluate(&at).unwrap().1;
+        let value = |at: Inputs| numbers(&model().evaluate(&at).unwrap().0);
+        for (k, (by_depth, by_speed)) in [(1e-10, 0.0), (0.0, 1e-6)].into_iter().enumerate() {
+            let moved = |sign: f64| {
+                value(Inputs {
+                    penetration_depth: at.penetration_depth + sign * by_depth,
+                    sliding_speed: at.sliding_speed + sign * by_speed,
+                    ..at
+                })
+            };
+            let step = by_depth + by_speed;
+            let (plus, minus) = (moved(1.0), moved(-1.0));
+            for (i, (name, slope)) in numbers(&derivatives[k]).into_iter().enumerate() {
+                let difference = (plus[i].1 - minus[i].1) / (2.0 * step);
+                let allowed = 1e-4 * difference.abs() + 1e-9 * scales[i] / step;
+                assert!((slope - difference).abs() <= allowed, "{name} at {at}: {slope} for {difference}");
+            }
+        }
+    }
+}
+
+#[test]
+fn reversing_the_speed_mirrors_the_outputs() {
+    for (micron, speed) in [(-3.3, 0.2), (18.2, 0.33), (2.0, 0.05)] {
+        let [there, back] = [speed, -speed].map(|speed| model().evaluate(&inputs(micron, speed)).unwrap());
+        assert_eq!(there.0.load, back.0.load);
+        assert_eq!(there.0.upper_friction_force, -back.0.upper_friction_force);
+        assert_eq!(there.0.minimum_film_position, -back.0.minimum_film_position);
+        let mut reversed = back.0.fluid_pressure.clone();
+        reversed.reverse();
+        assert_eq!(there.0.fluid_pressure, reversed);
+        assert_eq!(there.1[1].load, -back.1[1].load);
+        assert_eq!(there.1[1].upper_friction_force, back.1[1].upper_friction_force);
+    }
+}
+
+#[test]
+fn nothing_jumps_at_first_touch_at_the_slowest_speed_or_at_rest() {
+    let scales = scales();
+    let close = |a: Inputs, b: Inputs| {
+        let [a_outputs, b_outputs] = [a, b].map(|at| numbers(&model().evaluate(&at).unwrap().0));
+        for (i, ((name, a_value), (_, b_value))) in a_outputs.into_iter().zip(b_outputs).enumerate() {
+            assert!((a_value - b_value).abs() <= 2e-6 * scales[i], "{name}: {a_value} at {a}, {b_value} at {b}");
+        }
+    };
+    for speed in [0.15, 0.2, 0.3] {
+        let touch = 1e6 * model().first_touch(speed).unwrap();
+        close(inputs(touch - 1e-6, speed), inputs(touch + 1e-6, speed));
+    }
+    for micron in [-4.0, 18.0] {
+        for speed in [0.15, 0.0, -0.15] {
+            close(inputs(micron, speed - 1e-9), inputs(micron, speed + 1e-9));
+        }
+    }
+}
+
+#[test]
+fn what_it_does_not_cover_is_refused_with_what_it_covers() {
+    for (at, expected) in [
+        (inputs(20.1, 0.2), "penetration_depth = 0.0000201 is not allowed: a number from -6e-6 to 2e-5 m"),
+        (inputs(f64::NAN, 0.2), "penetration_depth = NaN is not allowed"),
+        (inputs(0.0, -0.41), "sliding_speed = -0.41 is not allowed: a number from -0.4 to 0.4 m/s"),
+        (
+            Inputs { slide_to_roll_ratio: 0.1, ..inputs(0.0, 0.2) },
+            "slide_to_roll_ratio = 0.1 is not allowed: 0, the one",
+        ),
+    ] {
+        let message = model().evaluate(&at).unwrap_err().to_string();
+        assert!(message.starts_with(expected) && message.contains("reduced model"), "{message}");
+    }
+    for range in [Range { depths: [1e-6, 0.0], ..RANGE }, Range { speeds: [0.0, 0.1], ..RANGE }] {
+        assert!(ReducedModel::build(&parameters(), range, TOLERANCE, 1, &|_| ()).is_err());
+    }
+}
+
+#[test]
+fn bytes_give_the_same_model_back_and_altered_ones_are_refused() {
+    let mut bytes = model().to_bytes().unwrap();
+    assert_eq!(&ReducedModel::from_bytes(&bytes).unwrap(), model());
+    assert!(ReducedModel::from_bytes(&bytes[..bytes.len() / 2]).is_err());
+    assert!(ReducedModel::from_bytes(b"").is_err());
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    assert!(ReducedModel::from_bytes(&bytes).unwrap_err().to_string().contains("cut or altered"));
+}
