@@ -338,22 +338,22 @@ impl Instance {
 
     /// Returns to a copied state. On an error nothing changes.
     pub fn restore(&mut self, saved: &SavedState) -> Answer<()> {
-        let Some(snapshot) = &saved.snapshot else {
-            self.simulation = None;
-            self.settings = saved.settings.clone();
-            return Ok(());
-        };
-        match &mut self.simulation {
-            Some(simulation) if *simulation.parameters() == saved.settings.parameters => {
+        match (&saved.snapshot, &mut self.simulation) {
+            (None, slot) => *slot = None,
+            (Some(snapshot), Some(simulation)) if *simulation.parameters() == saved.settings.parameters => {
                 simulation.restore(snapshot)?
             }
-            slot => {
+            (Some(snapshot), slot) => {
                 let mut simulation = Simulation::new(&saved.settings.parameters)?;
                 simulation.restore(snapshot)?;
                 *slot = Some(simulation);
             }
         }
         self.settings = saved.settings.clone();
+        if self.settings.phase == Phase::StepFailed && self.standard == Standard::Fmi3 {
+            // An FMI 2 instance wrote it. FMI 3 goes on at once from where the failed step began.
+            self.settings.phase = Phase::StepComplete;
+        }
         Ok(())
     }
 
