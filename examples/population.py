@@ -12,6 +12,9 @@ command resumes a run that was interrupted.
 On a cluster the FMU and the results have to be on a disk that all workers see. Writes `population/knee_*.parquet`, one
 file a knee, and `population.png`.
 
+A mesh of 240 x 12 elements a body instead of 120 x 6 changes the load of the first ten knees by 1.4 % at most. It changes
+friction by 0.4 % in the median; by more where solid contact just begins, since it begins at a slightly other speed.
+
 Drawn uniformly, permeability and viscosity in their logarithms; both layers of a knee are alike:
 
 | quantity | range | source |
@@ -41,8 +44,10 @@ SPEEDS = np.geomspace(0.03, 1e-4, 9)  # m/s, from thick films to thin ones
 OUTPUTS = ["load", "friction_coefficient", "sommerfeld_number", "minimum_film_thickness", "fluid_load_support"]
 # Tissue is nearly undrained: a thin boundary layer at its surface, and pressures one order below displacements.
 NUMERICS = {
-    "formulation": 2, "mesh.columns": 100, "mesh.rows": 12, "mesh.row_grading": 5.0, "mesh.pressure_order": 1,
-    "boundary_friction_loads_tissue": False,
+    "formulation": 2, "mesh.columns": 120, "mesh.rows": 6, "mesh.column_grading": 3.0, "mesh.row_grading": 5.0,
+    "mesh.pressure_order": 1, "boundary_friction_loads_tissue": False,
+    # Far below the slowest speed, so that boundary friction is mobilised in full.
+    "friction_regularisation_speed": 1e-6,
 }  # fmt: skip
 
 
@@ -164,7 +169,7 @@ def draw(table, picture):
     p5, p25, p50, p75, p95 = np.nanpercentile(friction, [5, 25, 50, 75, 95], axis=0)
     figure, axis = plt.subplots(figsize=(7, 4.6), layout="constrained")
     for curve in curves:
-        axis.loglog(*curve.T, color="grey", linewidth=0.4, alpha=0.5)
+        axis.loglog(*curve.T, color="grey", linewidth=0.4, alpha=min(0.5, 100 / len(curves)))
     axis.fill_between(numbers, p5, p95, color="#56B4E9", alpha=0.4, label="5th to 95th percentile")
     axis.fill_between(numbers, p25, p75, color="#0072B2", alpha=0.5, label="25th to 75th percentile")
     axis.loglog(numbers, p50, color="black", linewidth=2, label="median")
