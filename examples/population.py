@@ -142,9 +142,21 @@ def main(knees=1000, fmu=FMU, folder="population", picture="population.png", sch
     table = pyarrow.concat_tables(tables)
     failed = {row["knee"] for row in table.select(["knee", "problem"]).to_pylist() if row["problem"]}
     print(f"{len(set(table['knee'].to_pylist()))} knees, {len(failed)} of them with a problem")
+    summarise(table)
     if picture:
         draw(table, picture)
     return table
+
+
+def summarise(table):
+    """Prints friction and the share of knees in solid contact at each speed."""
+    rows = [row for row in table.to_pylist() if not row["problem"]]
+    print("sliding speed [mm/s]   friction coefficient: 5th, 50th, 95th percentile   in solid contact")
+    for speed in sorted({row["sliding_speed"] for row in rows}, reverse=True):
+        here = [row for row in rows if row["sliding_speed"] == speed]
+        low, middle, high = np.percentile([row["friction_coefficient"] for row in here], [5, 50, 95])
+        touching = np.mean([row["minimum_film_thickness"] <= 0 for row in here])
+        print(f"{1e3 * speed:20.2f}   {low:34.4f}   {middle:.4f}   {high:.4f}   {touching:16.0%}")
 
 
 def draw(table, picture):
