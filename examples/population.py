@@ -12,6 +12,9 @@ command resumes a run that was interrupted.
 On a cluster the FMU and the results have to be on a disk that all workers see. Writes `population/knee_*.parquet`, one
 file a knee, and `population.png`.
 
+A mesh of 240 x 12 elements a body instead of 120 x 6 changes the load of the first ten knees by 1.4 % at most. It changes
+friction by 0.4 % in the median; by more where solid contact just begins, since it begins at a slightly other speed.
+
 Drawn uniformly, permeability and viscosity in their logarithms; both layers of a knee are alike:
 
 | quantity | range | source |
@@ -41,8 +44,10 @@ SPEEDS = np.geomspace(0.03, 1e-4, 9)  # m/s, from thick films to thin ones
 OUTPUTS = ["load", "friction_coefficient", "sommerfeld_number", "minimum_film_thickness", "fluid_load_support"]
 # Tissue is nearly undrained: a thin boundary layer at its surface, and pressures one order below displacements.
 NUMERICS = {
-    "formulation": 2, "mesh.columns": 100, "mesh.rows": 12, "mesh.row_grading": 5.0, "mesh.pressure_order": 1,
-    "boundary_friction_loads_tissue": False,
+    "formulation": 2, "mesh.columns": 120, "mesh.rows": 6, "mesh.column_grading": 3.0, "mesh.row_grading": 5.0,
+    "mesh.pressure_order": 1, "boundary_friction_loads_tissue": False,
+    # Far below the slowest speed, so that boundary friction is mobilised in full.
+    "friction_regularisation_speed": 1e-6,
 }  # fmt: skip
 
 
@@ -137,9 +142,21 @@ def main(knees=1000, fmu=FMU, folder="population", picture="population.png", sch
     table = pyarrow.concat_tables(tables)
     failed = {row["knee"] for row in table.select(["knee", "problem"]).to_pylist() if row["problem"]}
     print(f"{len(set(table['knee'].to_pylist()))} knees, {len(failed)} of them with a problem")
+    summarise(table)
     if picture:
         draw(table, picture)
     return table
+
+
+def summarise(table):
+    """Prints friction and the share of knees in solid contact at each speed."""
+    rows = [row for row in table.to_pylist() if not row["problem"]]
+    print("sliding speed [mm/s]   friction coefficient: 5th, 50th, 95th percentile   in solid contact")
+    for speed in sorted({row["sliding_speed"] for row in rows}, reverse=True):
+        here = [row for row in rows if row["sliding_speed"] == speed]
+        low, middle, high = np.percentile([row["friction_coefficient"] for row in here], [5, 50, 95])
+        touching = np.mean([row["minimum_film_thickness"] <= 0 for row in here])
+        print(f"{1e3 * speed:20.2f}   {low:34.4f}   {middle:.4f}   {high:.4f}   {touching:16.0%}")
 
 
 def draw(table, picture):
@@ -164,7 +181,7 @@ def draw(table, picture):
     p5, p25, p50, p75, p95 = np.nanpercentile(friction, [5, 25, 50, 75, 95], axis=0)
     figure, axis = plt.subplots(figsize=(7, 4.6), layout="constrained")
     for curve in curves:
-        axis.loglog(*curve.T, color="grey", linewidth=0.4, alpha=0.5)
+        axis.loglog(*curve.T, color="grey", linewidth=0.4, alpha=min(0.5, 100 / len(curves)))
     axis.fill_between(numbers, p5, p95, color="#56B4E9", alpha=0.4, label="5th to 95th percentile")
     axis.fill_between(numbers, p25, p75, color="#0072B2", alpha=0.5, label="25th to 75th percentile")
     axis.loglog(numbers, p50, color="black", linewidth=2, label="median")

@@ -345,20 +345,20 @@ impl Instance {
 
     /// Returns to a copied state. On an error nothing changes.
     pub fn restore(&mut self, saved: &SavedState) -> Answer<()> {
-        let Some(state) = &saved.model else {
-            self.model = None;
-            self.settings = saved.settings.clone();
-            return Ok(());
-        };
-        match &mut self.model {
-            Some(model) if *model.parameters() == saved.settings.parameters => model.restore(state)?,
-            slot => {
+        match (&saved.model, &mut self.model) {
+            (None, slot) => *slot = None,
+            (Some(state), Some(model)) if *model.parameters() == saved.settings.parameters => model.restore(state)?,
+            (Some(state), slot) => {
                 let mut model = Model::new(&saved.settings.parameters, self.resources.as_deref())?;
                 model.restore(state)?;
                 *slot = Some(model);
             }
         }
         self.settings = saved.settings.clone();
+        if self.settings.phase == Phase::StepFailed && self.standard == Standard::Fmi3 {
+            // An FMI 2 instance wrote it. FMI 3 goes on at once from where the failed step began.
+            self.settings.phase = Phase::StepComplete;
+        }
         Ok(())
     }
 

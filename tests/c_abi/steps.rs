@@ -74,6 +74,22 @@ fn after_a_discarded_step_fmi3_goes_on_at_once() {
 }
 
 #[test]
+fn a_state_that_fmi2_saved_after_a_discarded_step_goes_on_in_fmi3() {
+    let two = Fmu::in_phase(Standard::Fmi2, Phase::StepFailed);
+    let mut state = null_mut();
+    assert_eq!(two.get_state(&mut state), OK);
+    let three = Fmu::in_phase(Standard::Fmi3, Phase::Instantiated);
+    let (status, copy) = three.state_from(&two.bytes(state));
+    assert_eq!(status, OK);
+    assert_eq!(three.set_state(copy), OK);
+    assert_eq!(three.get_real("load").to_bits(), two.get_real("load").to_bits());
+    assert_eq!(three.set_real("penetration_depth", -9e-6), OK);
+    assert_eq!(three.step(0.0, 0.25), OK);
+    two.free_state(state);
+    three.free_state(copy);
+}
+
+#[test]
 fn bytes_of_a_state_are_refused_when_cut_altered_or_foreign() {
     for standard in BOTH {
         let fmu = Fmu::in_phase(standard, Phase::StepComplete);

@@ -43,6 +43,17 @@ def folder(fmu, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def instantiate(folder, description):
+    return maker(folder, description)
+
+
+@pytest.fixture(scope="session", params=["FMU", "FMU3"])
+def instantiate_again(request, tmp_path_factory):
+    """As `instantiate`, whatever version that has: all four pairs in turn."""
+    fmu = os.environ[request.param]
+    return maker(extract(fmu, unzipdir=str(tmp_path_factory.mktemp("again"))), read_model_description(fmu))
+
+
+def maker(folder, description):
     """Makes a Slave; use as a context manager, which frees the instance."""
 
     @contextmanager

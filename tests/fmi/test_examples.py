@@ -37,13 +37,17 @@ def test_two_compartments(fmu2, tmp_path):
 def test_joint_mujoco(fmu2, tmp_path):
     result = load("joint_mujoco").main(
         fmu2, picture=tmp_path / "joint.png", parameters={"mesh.columns": 24, "mesh.rows": 2}, duration=0.05,
-        explicit_sizes=(4e-4, 2.5e-3), implicit_sizes=(2.5e-3, 5e-3),
+        explicit_sizes=(4e-4, 2.5e-3), implicit_sizes=(2.5e-3,),
     )  # fmt: skip
-    assert result["stable"] == {"explicit": 4e-4, "implicit": 5e-3}
-    assert 4e-4 < result["limit"] < 2.5e-3
+    for row in result["stable"].values():
+        assert (row["explicit"], row["implicit"]) == (4e-4, 2.5e-3)
+        assert 4e-4 < row["limit"] < 2.5e-3
     fine, coarse = (result["runs"][name][0] for name in ["explicit, small", "implicit, large"])
     assert fine[-1, 0] == pytest.approx(coarse[-1, 0])
-    np.testing.assert_allclose(coarse[-1, 1:], fine[-1, 1:], rtol=0.01)
+    # From a full film into solid contact and out again.
+    for rows in (fine, coarse):
+        assert rows[0, 4] == 0 < rows[:, 4].max() and rows[-1, 4] == 0
+    np.testing.assert_allclose(coarse[-1, 1:4], fine[-1, 1:4], rtol=0.02)
     assert (tmp_path / "joint.png").stat().st_size > 10_000
 
 
