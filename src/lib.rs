@@ -39,6 +39,7 @@
 //! ```text
 //! case file or FMU variable -> parameters::Parameters, parameters::Inputs
 //!   -> simulation::Simulation::solve_steady         steps along the way from the present inputs (solver::continuation)
+//!                ::advance                      or in time (solver::runge_kutta)
 //!     -> solver::newton::solve                      on equations::system::System, with the active set of contact
 //!       -> equations::{tissue, film}                weak forms: residual and tangent of an element
 //!         -> laws::{neo_hookean, darcy, film, contact}   formulas and their derivatives at a point

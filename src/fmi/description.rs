@@ -23,7 +23,7 @@ const GENERATION_DATE: &str = "2026-11-22T00:00:00Z";
 
 /// Short text about the model, for importers and the documentation.
 pub const SUMMARY: &str = "Lubrication of cartilage on cartilage in a line contact: fluid film, poroelastic layers, \
-    solid contact and boundary friction, quasi-steady";
+    solid contact and boundary friction, quasi-steady or in time";
 
 /// `modelDescription.xml` and its token: a hash of everything else in it, so that a library and a description that do not
 /// belong together are found out.

@@ -193,7 +193,7 @@ impl Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{PARAMETERS, Value, find};
+    use crate::parameters::{Kind, PARAMETERS, Value, find};
     use approx::assert_relative_eq;
 
     #[test]
@@ -246,12 +246,14 @@ mod tests {
         // A value of each that no preset has; the last row is the preset itself.
         for row in PARAMETERS.into_iter().filter(|row| row.name != "preset") {
             let mut parameters = Parameters::default();
-            let value = match (row.get(&parameters), row.allowed()) {
-                (Value::Real(v), _) => Value::Real(0.9 * v + 0.01 * f64::from(v == 0.0)),
-                (Value::Integer(v), _) => Value::Integer(if v == 2 { 1 } else { v + 3 }),
-                (Value::Boolean(v), _) => Value::Boolean(!v),
-                (Value::Text(_), allowed) if allowed.contains("holmes_mow") => Value::Text("holmes_mow".into()),
-                (Value::Text(_), _) => Value::Text("consistent".into()),
+            let value = match row.get(&parameters) {
+                Value::Real(v) => Value::Real(0.9 * v + 0.01 * f64::from(v == 0.0)),
+                Value::Integer(v) => Value::Integer(if v == 2 { 1 } else { v + 3 }),
+                Value::Boolean(v) => Value::Boolean(!v),
+                Value::Text(_) => {
+                    let Kind::Choice { items, .. } = &row.kind else { panic!("{} is no choice", row.name) };
+                    Value::Text(items[1].0.into())
+                }
             };
             row.set(&mut parameters, &value).unwrap();
             find("preset").unwrap().set(&mut parameters, &Value::Text("human_normal".into())).unwrap();

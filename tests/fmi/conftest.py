@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import pytest
 from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import FMU2Slave, fmi2Integer, fmi2Real, fmi2ValueReference
 from fmpy.fmi3 import FMU3Slave
 
 # A mesh on which a solution takes a few milliseconds. These tests are about the FMU, not about the numbers.
@@ -103,6 +103,8 @@ class Slave:
     def set(self, **values):
         for name, value in values.items():
             kind = self.variables[name].type
+            if kind == "Enumeration":
+                kind = "Int64" if self.version == 3 else "Integer"
             getattr(self.fmu, f"set{kind}")([self.references[name]], [value])
 
     def get(self, *names):
@@ -124,6 +126,14 @@ class Slave:
 
     def derivative(self, unknown, known):
         return self.fmu.getDirectionalDerivative([self.references[unknown]], [self.references[known]], [1.0])[0]
+
+    def rate(self, output):
+        if self.version == 3:
+            return self.fmu.getOutputDerivatives([self.references[output]], [1], 1)[0]
+        references, orders = (fmi2ValueReference * 1)(self.references[output]), (fmi2Integer * 1)(1)
+        values = (fmi2Real * 1)()
+        self.fmu.fmi2GetRealOutputDerivatives(self.fmu.component, references, 1, orders, values)
+        return values[0]
 
     def save(self):
         return self.fmu.getFMUState() if self.version == 3 else self.fmu.getFMUstate()

@@ -34,20 +34,29 @@ def resume(contact, data):
     contact.time = 0.1
 
 
+# Numbers of the enumerations' items.
+IN_TIME = {"time_integration": 2}
+UNDER_LOAD = {"time_integration": 2, "control": 2}
+
+
 def same_bits(values, others):
     return [value.hex() for value in values] == [value.hex() for value in others]
 
 
-def test_an_instance_of_either_version_goes_on_with_the_same_bits(instantiate, instantiate_again):
+@pytest.mark.parametrize("mode", [{}, IN_TIME, UNDER_LOAD])
+def test_an_instance_of_either_version_goes_on_with_the_same_bits(instantiate, instantiate_again, mode):
     with instantiate(initialized=False) as first, instantiate_again(initialized=False) as second:
-        data = saved(first, **{"lower.thickness": 1.2e-3, "boundary_friction_loads_tissue": False})
+        data = saved(first, **{"lower.thickness": 1.2e-3, "boundary_friction_loads_tissue": False}, **mode)
         resume(second, data)
         assert same_bits(second.everything(), first.everything())
         assert second.get("lower.thickness") == 1.2e-3 and second.get("slide_to_roll_ratio") == 0.3
         for contact in (first, second):
             contact.step(**NEXT)
         assert same_bits(second.everything(), first.everything())
-        assert second.derivative("load", "penetration_depth") == first.derivative("load", "penetration_depth")
+        for known in ("penetration_depth", "applied_load"):
+            slope = first.derivative("minimum_film_thickness", known)
+            assert second.derivative("minimum_film_thickness", known) == slope
+            assert (slope != 0) == ((known == "applied_load") == (mode is UNDER_LOAD))
 
 
 def test_a_state_brings_its_parameters_and_mesh_into_an_instance_that_runs_with_others(instantiate, instantiate_again):
@@ -61,11 +70,12 @@ def test_a_state_brings_its_parameters_and_mesh_into_an_instance_that_runs_with_
         assert same_bits(second.everything(), first.everything())
 
 
+@pytest.mark.parametrize("mode", [{}, UNDER_LOAD])
 @pytest.mark.parametrize("reader", ["fmu2", "fmu3"])
-def test_another_process_goes_on_with_the_same_bits(instantiate, reader, request, tmp_path):
+def test_another_process_goes_on_with_the_same_bits(instantiate, reader, request, tmp_path, mode):
     file = tmp_path / "state"
     with instantiate(initialized=False) as contact:
-        file.write_bytes(saved(contact))
+        file.write_bytes(saved(contact, **mode))
         contact.step(**NEXT)
         expected = [value.hex() for value in contact.everything()]
     command = [sys.executable, __file__, request.getfixturevalue(reader), file]

@@ -1,0 +1,54 @@
+"""The FMUs in time and under a given load, as scripts use them."""
+
+import numpy as np
+import pytest
+from conftest import COARSE
+from fmpy import simulate_fmu
+
+IN_TIME = {**COARSE, "time_integration": 2}
+
+
+def run(fmu, columns, rows, **options):
+    inputs = np.array(rows, dtype=[(name, float) for name in ("time", *columns)])
+    return simulate_fmu(fmu, input=inputs, stop_time=rows[-1][0], **options)
+
+
+def test_a_given_load_is_carried_and_the_depth_follows(fmu):
+    rows = [(0.0, 20.0, 0.2), (0.1, 60.0, 0.2), (0.2, 60.0, -0.2)]
+    outputs = ["load", "applied_load", "penetration_depth_result", "minimum_film_thickness", "upper_friction_force"]
+    result = run(
+        fmu, ["applied_load", "sliding_speed"], rows, output=outputs, output_interval=0.01,
+        start_values={**IN_TIME, "control": 2, "applied_load": 20.0},
+    )
+    assert result["load"] == pytest.approx(np.interp(result["time"], [0, 0.1, 0.2], [20, 60, 60]), rel=1e-5)
+    assert result["penetration_depth_result"][10] > result["penetration_depth_result"][0]
+    # Through the reversal the film is squeezed, but not out.
+    assert 0 < result["minimum_film_thickness"][15] < result["minimum_film_thickness"][10]
+    assert result["upper_friction_force"][0] > 0 > result["upper_friction_force"][-1]
+
+
+def test_the_depth_follows_the_approach_speed_and_squeezes_the_film(fmu):
+    rows = [(0.0, 2e-4), (0.05, 2e-4)]
+    options = {"output": ["penetration_depth_result", "load"], "output_interval": 0.01}
+    start = {**IN_TIME, "sliding_speed": 0.0, "approach_speed": 2e-4}
+    result = run(fmu, ["approach_speed"], rows, start_values=start, **options)
+    assert result["penetration_depth_result"] == pytest.approx(-10e-6 + 2e-4 * result["time"], abs=1e-12)
+    # The same motion given as depths, which FMPy interpolates.
+    rows = [(0.0, -10e-6), (0.05, 0.0)]
+    again = run(fmu, ["penetration_depth"], rows, start_values={**IN_TIME, "sliding_speed": 0.0}, **options)
+    assert again["load"] == pytest.approx(result["load"], rel=1e-6, abs=1e-9)
+    assert np.all(np.diff(result["load"]) > 0)
+
+
+def test_rates_of_outputs_are_those_of_the_motion(instantiate):
+    with instantiate(initialized=False) as contact:
+        contact.set(time_integration=2)
+        contact.fmu.enterInitializationMode()
+        contact.fmu.exitInitializationMode()
+        contact.step(0.02, approach_speed=1e-4)
+        names = ["load", "minimum_film_thickness", "maximum_fluid_pressure"]
+        rates = [contact.rate(name) for name in names]
+        before = contact.get(*names)
+        contact.step(2e-5)
+        for name, rate, old, new in zip(names, rates, before, contact.get(*names)):
+            assert (new - old) / 2e-5 == pytest.approx(rate, rel=2e-2), name
