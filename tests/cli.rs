@@ -285,7 +285,8 @@ fn gait_repeats_and_keeps_its_film_where_sliding_turns() {
     let path = folder.path().join("target/gait/gait.csv");
     let mut reader = csv::Reader::from_path(path).unwrap();
     let head: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let place = |name: &str| head.iter().position(|column| column == name).unwrap_or_else(|| panic!("no column {name}"));
+    let place =
+        |name: &str| head.iter().position(|column| column == name).unwrap_or_else(|| panic!("no column {name}"));
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     let of = |integration: &str, cycle: &str| -> Vec<_> {
         rows.iter().filter(|row| &row[0] == integration && &row[1] == cycle).collect()

@@ -76,8 +76,8 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
         vec![dashed, line(transient, "in time", palette::BLUE, false, get)]
     };
     let result = |title: &str, label: &str, scale: Scale, get: fn(&State) -> f64| panel(title, label, scale, both(get));
-    fn carried(states: &[State], label: &str, colour: RGBColor, get: fn(&Outputs) -> f64) -> Line {
-        line(states, label, colour, false, move |state| get(&state.outputs))
+    fn carried(states: &[State], label: &str, colour: RGBColor, dashed: bool, get: fn(&Outputs) -> f64) -> Line {
+        line(states, label, colour, dashed, move |state| get(&state.outputs))
     }
     use Scale::{Linear, Logarithmic};
     let mut panels = vec![
@@ -86,9 +86,9 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
             "L [N/m]",
             Linear,
             vec![
-                carried(transient, "total", palette::BLACK, |o| o.load),
-                carried(transient, "fluid, in time", palette::GREEN, |o| o.fluid_load),
-                carried(transient, "solid, in time", palette::ORANGE, |o| o.solid_load),
+                carried(transient, "total", palette::BLACK, false, |o| o.load),
+                carried(transient, "fluid, in time", palette::GREEN, true, |o| o.fluid_load),
+                carried(transient, "solid, in time", palette::ORANGE, false, |o| o.solid_load),
             ],
         ),
         panel(

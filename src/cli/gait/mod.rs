@@ -24,7 +24,7 @@ inputs of load, depth and speed are not used. The folder gets gait.csv (one row 
 
 Examples:
   cartilage-contact gait
-  cartilage-contact gait --preset human_normal --set mesh.columns=120 --set mesh.rows=8 --output target/gait_tissue
+  cartilage-contact gait --preset human_normal --set mesh.columns=240 --set mesh.rows=8 --steps 100
   cartilage-contact gait --body-weight 750 --set width=20
   cartilage-contact gait --history walk.sto --set width=0.02 --cycles 5";
 
