@@ -293,3 +293,65 @@ fn reduce_packs_a_model_and_says_how_good_it_is() {
     assert!(refused("reduce --depths=2e-6:1e-6", 2).contains("ascending"));
     assert!(refused("solve --set fidelity=reduced", 2).contains("only an FMU"));
 }
+
+#[test]
+fn gait_repeats_and_keeps_its_film_where_sliding_turns() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_in(folder.path(), "gait --set mesh.columns=16 --set mesh.rows=2 --steps 40");
+    let text = out(&output);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(text.contains("Periodic: cycle ") && text.contains("| largest load [N/m] | 25 | 25 |"), "{text}");
+    let path = folder.path().join("target/gait/gait.csv");
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let head: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let place =
+        |name: &str| head.iter().position(|column| column == name).unwrap_or_else(|| panic!("no column {name}"));
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let of = |integration: &str, cycle: &str| -> Vec<_> {
+        rows.iter().filter(|row| &row[0] == integration && &row[1] == cycle).collect()
+    };
+    let number = |row: &csv::StringRecord, name: &str| row[place(name)].parse::<f64>().unwrap();
+    let [first, second, steady] = [of("transient", "1"), of("transient", "2"), of("quasi_steady", "1")];
+    assert_eq!([first.len(), second.len(), steady.len()], [41, 41, 41]);
+    assert_eq!(number(second[40], "time"), 2.2);
+    assert_eq!(number(first[40], "penetration_depth_result"), number(second[0], "penetration_depth_result"));
+    for row in &rows {
+        let (given, carried) = (number(row, "applied_load"), number(row, "load"));
+        assert!((carried / given - 1.0).abs() < 1e-5, "{carried} of {given}");
+    }
+    let slowest = |states: &[&csv::StringRecord]| {
+        let speed = |row: &csv::StringRecord| number(row, "sliding_speed").abs();
+        let row = states.iter().min_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap();
+        number(row, "fluid_load_support")
+    };
+    assert!(slowest(&steady) < 0.2 && slowest(&second) > 0.5, "{} {}", slowest(&steady), slowest(&second));
+    let flow = |row| number(row, "net_fluid_exudation");
+    let step = 1.1 / 40.0;
+    let sum: f64 = second.windows(2).map(|pair| 0.5 * step * (flow(pair[0]) + flow(pair[1]))).sum();
+    let exchange = number(second[40], "cumulative_net_fluid_exudation");
+    assert!((exchange - sum).abs() < 1e-9 * sum.abs(), "{exchange} {sum}");
+    for picture in ["gait.svg", "gait.png"] {
+        assert!(folder.path().join("target/gait").join(picture).exists(), "{picture}");
+    }
+}
+
+#[test]
+fn gait_takes_a_history_and_says_where_it_does_not_repeat() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |text: &str| std::fs::write(folder.path().join("own.csv"), text).unwrap();
+    write("time,force,sliding_speed\n0,5,0.1\n0.5,10,0.05\n1,5,0.1\n");
+    let arguments = "gait --history own.csv --set width=0.5 --set mesh.columns=16 --set mesh.rows=2 --steps 4";
+    let text = out(&run_in(folder.path(), &format!("{arguments} --cycles 2 --periodicity 1e-12")));
+    assert!(text.contains("| largest load [N/m] | 20 | 20 |") && text.contains("Not periodic: cycle 2"), "{text}");
+    let refused = |arguments: &str| {
+        let output = run_in(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    write("time,force,sliding_speed\n0,5,0.1\n0.5,heavy,0.05\n1,5,0.1\n");
+    let message = refused(arguments);
+    assert!(message.contains("own.csv:3: column `force`: `heavy` is not allowed: a finite number"), "{message}");
+    assert!(refused("gait --history nowhere.csv").contains("nowhere.csv: could not read the history"));
+    assert!(refused("gait --peak-load=-3").contains("--peak-load = -3 is not allowed: a number above 0 N/m"));
+    assert!(refused("gait --peak-load 3 --body-weight 700").contains("cannot be used with"));
+}

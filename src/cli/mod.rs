@@ -3,6 +3,7 @@
 mod case;
 mod figures;
 mod format;
+mod gait;
 mod importer;
 mod package;
 mod presets;
@@ -35,6 +36,7 @@ Examples:
   cartilage-contact solve --preset human_femoral_condyle --penetration-depth 20e-6
   cartilage-contact stribeck --fields=-1e-6,19e-6,48e-6,100e-6
   cartilage-contact sensitivity --depths 0,10e-6,50e-6
+  cartilage-contact gait --peak-load 100
   cartilage-contact package --output CartilageLineContact.fmu
   cartilage-contact reduce --depths=-20e-6:60e-6 --speeds 0.002:0.5
   cartilage-contact solve --help    (every variable with its unit, default and range)
@@ -56,6 +58,8 @@ enum Command {
     Stribeck(stribeck::Arguments),
     /// How load, friction and film answer to changes of each parameter
     Sensitivity(sensitivity::Arguments),
+    /// A walking cycle under load control: in time until it repeats, beside quasi-steady
+    Gait(gait::Arguments),
     /// Mesh convergence, variants of the model, and what the paper prints, as Markdown tables
     Validate(validate::Arguments),
     /// The presets: their values, sources, and what is uncertain about them, as Markdown
@@ -95,6 +99,7 @@ pub fn run() -> ExitCode {
         Some(Command::Solve(arguments)) => solve::run(&arguments),
         Some(Command::Stribeck(arguments)) => stribeck::run(&arguments),
         Some(Command::Sensitivity(arguments)) => sensitivity::run(&arguments),
+        Some(Command::Gait(arguments)) => gait::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Presets) => presets::run(),
         Some(Command::Package(arguments)) => package::run(&arguments),

@@ -78,3 +78,18 @@ def test_stribeck(fmu2, tmp_path):
     least = np.argmin(result["friction_coefficient"])
     assert result["penetration_depth"][least] == pytest.approx(12e-6)
     assert (result["solid_load"][: least + 1] == 0).all() and (result["solid_load"][least + 1 :] > 0).all()
+
+
+def test_gait(fmu2, tmp_path):
+    picture = tmp_path / "gait.png"
+    result = load("gait").main(fmu2, COARSE, steps=40, cycles=3, picture=picture)
+    transient, steady = result["transient"], result["quasi_steady"]
+    for run in (transient, steady):
+        np.testing.assert_allclose(run["fluid_load"] + run["solid_load"], result["applied_load"], rtol=1e-5)
+    assert result["applied_load"].max() == pytest.approx(25, rel=0.01)
+    assert np.count_nonzero(np.diff(np.sign(result["sliding_speed"]) >= 0)) == 2
+    # Where sliding turns, a steady film is gone, and one that takes time to be squeezed out still carries.
+    slowest = np.argmin(abs(result["sliding_speed"]))
+    assert steady["fluid_load_support"][slowest] < 0.2 < 0.5 < transient["fluid_load_support"][slowest]
+    assert result["change"] < 0.02
+    assert picture.stat().st_size > 10_000

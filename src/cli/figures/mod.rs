@@ -4,6 +4,7 @@
 mod canvas;
 mod colour_map;
 pub mod fields;
+pub mod gait;
 mod panel;
 pub mod press_and_release;
 pub mod stribeck;

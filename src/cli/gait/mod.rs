@@ -1,0 +1,314 @@
+//! `cartilage-contact gait`: cycles of walking under load control, in time until they repeat, and quasi-steady beside that.
+
+mod cycle;
+
+use std::path::{Path, PathBuf};
+
+use cartilage_contact::error::Error;
+use cartilage_contact::outputs::Outputs;
+use cartilage_contact::parameters::{Control, Inputs, Parameters, TimeIntegration};
+use cartilage_contact::simulation::{Drive, Simulation};
+use cartilage_contact::variables::{self, Source};
+use indicatif::ProgressBar;
+
+use self::cycle::{Cycle, PEAK};
+use super::case::CaseArguments;
+use super::stribeck::progress;
+use super::{Failure, figures, format, print};
+
+const EXAMPLES: &str = "\
+Without --history the cycle is a stylised hip: 1.1 s, two peaks of load of 2.38 and 2.1 body weights, 40 degrees of flexion out and back. \
+Its load is scaled to --peak-load, or is that of --body-weight over the width of the case. A history is a CSV or an OpenSim .sto file of one \
+cycle with columns time [s], sliding_speed [m/s], and applied_load [N/m] or force [N]. The case's own time_integration, control and \
+inputs of load, depth and speed are not used. The folder gets gait.csv (one row a communication point) and a picture.
+
+Examples:
+  cartilage-contact gait
+  cartilage-contact gait --preset human_normal --set mesh.columns=240 --set mesh.rows=8 --steps 100
+  cartilage-contact gait --body-weight 750 --set width=20
+  cartilage-contact gait --history walk.sto --set width=0.02 --cycles 5";
+
+/// A walking cycle under load control: in time until it repeats, beside quasi-steady.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    case: CaseArguments,
+
+    /// Largest load per unit depth of the stylised cycle [N/m]; 25 by default
+    #[arg(long, value_name = "LOAD", conflicts_with_all = ["body_weight", "history"])]
+    peak_load: Option<f64>,
+
+    /// Body weight [N]: the load is the hip's over the width of the case
+    #[arg(long, value_name = "FORCE", conflicts_with = "history")]
+    body_weight: Option<f64>,
+
+    /// Radius that turns flexion into sliding speed [m]; 0.024 by default
+    #[arg(long, value_name = "LENGTH", conflicts_with = "history")]
+    joint_radius: Option<f64>,
+
+    /// Load and speed of one cycle of your own (CSV, OpenSim .sto)
+    #[arg(long, value_name = "FILE")]
+    history: Option<PathBuf>,
+
+    /// Communication steps a cycle; load and speed are linear within them
+    #[arg(long, value_name = "COUNT", default_value_t = 200, value_parser = clap::value_parser!(u32).range(4..=100_000))]
+    steps: u32,
+
+    /// Most cycles in time
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    cycles: u32,
+
+    /// A cycle repeats the one before where depth, fluid load and solid load differ by less than this share of their largest values
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    periodicity: f64,
+
+    /// Folder for everything that is written
+    #[arg(long, value_name = "FOLDER", default_value = "target/gait")]
+    output: PathBuf,
+}
+
+/// One communication point.
+pub struct State {
+    /// From the start of the first cycle [s].
+    pub time: f64,
+    /// From the start of its own cycle [s].
+    pub phase: f64,
+    /// What was given.
+    pub inputs: Inputs,
+    /// What came of it.
+    pub outputs: Outputs,
+    /// Fluid that left the tissue since the start of its cycle, less what the tissue took in, per unit depth [m^2].
+    pub exchange: f64,
+}
+
+/// Cycles in time.
+struct Transient {
+    cycles: Vec<Vec<State>>,
+    /// Between the last two cycles; none after a single one.
+    change: Option<f64>,
+}
+
+/// Solves, writes table and picture, prints what came out.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let case = arguments.case.load()?;
+    let parameters = Parameters { control: Control::Load, ..case.parameters };
+    let positive = |flag: &str, value: f64, unit: &str| match value.is_finite() && value > 0.0 {
+        true => Ok(value),
+        false => Err(Error::value(flag, value, format!("a number above 0 {unit}"))),
+    };
+    positive("--periodicity", arguments.periodicity, "(a share, such as 0.01)")?;
+    let steps = arguments.steps as usize;
+    let cycle = match &arguments.history {
+        Some(path) => Cycle::read(path, parameters.width, steps).map_err(|error| Failure::Usage(error.to_string()))?,
+        None => {
+            let load = match arguments.body_weight {
+                Some(weight) => positive("--body-weight", weight, "N")? / parameters.width,
+                None => positive("--peak-load", arguments.peak_load.unwrap_or(25.0), "N/m")? / PEAK,
+            };
+            let radius = positive("--joint-radius", arguments.joint_radius.unwrap_or(0.024), "m")?;
+            Cycle::stylised(load, radius, steps)
+        }
+    };
+
+    let bar = progress(steps * (1 + arguments.cycles as usize));
+    let (transient, (steady, failures)) = std::thread::scope(|scope| {
+        let steady = scope.spawn(|| quasi_steady(&parameters, &case.inputs, &cycle, &bar));
+        let transient = transient(&parameters, &case.inputs, &cycle, arguments, &bar);
+        let steady = steady.join().map_err(|_| Failure::Failed("the quasi-steady cycle stopped".into()))?;
+        Ok::<_, Failure>((transient?, steady?))
+    })?;
+    bar.finish_and_clear();
+
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder).map_err(|error| unwritten(folder, error))?;
+    let csv = folder.join("gait.csv");
+    write_csv(&csv, &transient.cycles, &steady).map_err(|error| unwritten(&csv, error))?;
+    let last = transient.cycles.last().map_or(&[][..], Vec::as_slice);
+    let [svg, png] = figures::gait::save(&folder.join("gait"), last, &steady)?;
+    let mut text = table(last, &steady) + "\n" + &verdict(&transient, arguments.periodicity);
+    if let Some(first) = failures.first() {
+        text += &format!("{} quasi-steady states were not found; the first: {first}\n", failures.len());
+    }
+    print(&format!("{text}\nWrote {}, {} and {}\n", csv.display(), svg.display(), png.display()))
+}
+
+fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
+    Error::File { path: path.display().to_string(), message: format!("could not write: {error}") }
+}
+
+/// The inputs at a communication point.
+fn inputs(given: &Inputs, cycle: &Cycle, step: usize) -> Inputs {
+    Inputs { applied_load: cycle.load[step], sliding_speed: cycle.speed[step], approach_speed: 0.0, ..*given }
+}
+
+/// The state of a communication point, after the one before it in its cycle.
+fn state(simulation: &Simulation, cycle: &Cycle, step: usize, cycles_before: usize, before: Option<&State>) -> State {
+    let phase = cycle.time[step];
+    let period = cycle.time.last().copied().unwrap_or_default();
+    let outputs = simulation.outputs().clone();
+    let exchange = before.map_or(0.0, |before| {
+        let mean = 0.5 * (before.outputs.net_fluid_exudation + outputs.net_fluid_exudation);
+        before.exchange + mean * (phase - before.phase)
+    });
+    State { time: cycles_before as f64 * period + phase, phase, inputs: *simulation.inputs(), outputs, exchange }
+}
+
+fn transient(
+    parameters: &Parameters,
+    given: &Inputs,
+    cycle: &Cycle,
+    arguments: &Arguments,
+    bar: &ProgressBar,
+) -> Result<Transient, Error> {
+    let parameters = Parameters { time_integration: TimeIntegration::Transient, ..*parameters };
+    let mut simulation = Simulation::new(&parameters)?;
+    simulation.solve_steady(inputs(given, cycle, 0))?;
+    let mut found = Transient { cycles: Vec::new(), change: None };
+    for count in 0..arguments.cycles as usize {
+        bar.set_message(format!("cycle {}", count + 1));
+        let mut states = vec![state(&simulation, cycle, 0, count, None)];
+        for step in 1..cycle.time.len() {
+            let [from, to] = [step - 1, step].map(|step| inputs(given, cycle, step));
+            let duration = cycle.time[step] - cycle.time[step - 1];
+            let rates = Inputs { penetration_depth: 0.0, ..to.combined(&from, |to, from| (to - from) / duration) };
+            simulation.advance(Drive { inputs: from, rates }, duration)?;
+            states.push(state(&simulation, cycle, step, count, states.last()));
+            bar.inc(1);
+        }
+        found.change = found.cycles.last().map(|before| change(before, &states));
+        found.cycles.push(states);
+        if found.change.is_some_and(|change| change < arguments.periodicity) {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+/// The largest change of depth, fluid load and solid load from one cycle to the next, relative to the largest depth and load.
+fn change(before: &[State], after: &[State]) -> f64 {
+    type Get = fn(&Outputs) -> f64;
+    let judged: [(Get, Get); 3] = [
+        (|o| o.penetration_depth, |o| o.penetration_depth),
+        (|o| o.fluid_load, |o| o.load),
+        (|o| o.solid_load, |o| o.load),
+    ];
+    let relative = |(get, size): (Get, Get)| {
+        let size = after.iter().map(|state| size(&state.outputs).abs()).fold(f64::MIN_POSITIVE, f64::max);
+        before.iter().zip(after).map(|(a, b)| (get(&a.outputs) - get(&b.outputs)).abs() / size).fold(0.0, f64::max)
+    };
+    judged.into_iter().map(relative).fold(0.0, f64::max)
+}
+
+/// The steady states of one cycle, and why others were not found.
+fn quasi_steady(
+    parameters: &Parameters,
+    given: &Inputs,
+    cycle: &Cycle,
+    bar: &ProgressBar,
+) -> Result<(Vec<State>, Vec<String>), Error> {
+    let parameters = Parameters { time_integration: TimeIntegration::QuasiSteady, ..*parameters };
+    let mut simulation = Simulation::new(&parameters)?;
+    let (mut states, mut failures) = (Vec::new(), Vec::new());
+    for step in 0..cycle.time.len() {
+        match simulation.solve_steady(inputs(given, cycle, step)) {
+            Ok(()) => {
+                let found = state(&simulation, cycle, step, 0, states.last());
+                states.push(found);
+            }
+            Err(error) => failures.push(error.to_string()),
+        }
+        bar.inc(1);
+    }
+    Ok((states, failures))
+}
+
+fn write_csv(path: &Path, cycles: &[Vec<State>], steady: &[State]) -> Result<(), csv::Error> {
+    // Contact stiffness would cost as much as the step.
+    let results = || {
+        variables::scalar_outputs().filter_map(|row| match row.source {
+            Source::Result(get) => Some((row.name.as_str(), get)),
+            _ => None,
+        })
+    };
+    let mut writer = csv::Writer::from_path(path)?;
+    let head = ["time_integration", "cycle", "time", "applied_load", "sliding_speed"];
+    let tail = ["cumulative_net_fluid_exudation", "lubrication_regime", "newton_iterations"];
+    writer.write_record(head.into_iter().chain(results().map(|(name, _)| name)).chain(tail))?;
+    let transient = cycles.iter().enumerate().map(|(index, states)| ("transient", index + 1, states.as_slice()));
+    for (integration, cycle, states) in transient.chain([("quasi_steady", 1, steady)]) {
+        for State { time, inputs, outputs, exchange, .. } in states {
+            let given = [*time, inputs.applied_load, inputs.sliding_speed];
+            let numbers = given.into_iter().chain(results().map(|(_, get)| get(outputs))).chain([*exchange]);
+            let words = [outputs.lubrication_regime.name().into(), outputs.newton_iterations.to_string()];
+            let cells = [integration.to_owned(), cycle.to_string()].into_iter();
+            writer.write_record(cells.chain(numbers.map(|value| format!("{value:e}"))).chain(words))?;
+        }
+    }
+    Ok(writer.flush()?)
+}
+
+/// Extremes of the cycle, in time and quasi-steady.
+fn table(transient: &[State], steady: &[State]) -> String {
+    let most = |states: &[State], get: fn(&Outputs) -> f64| {
+        states.iter().map(|state| get(&state.outputs)).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let least = |states: &[State], get: fn(&Outputs) -> f64| {
+        states.iter().map(|state| get(&state.outputs)).fold(f64::INFINITY, f64::min)
+    };
+    let mean = |states: &[State], get: fn(&Outputs) -> f64| {
+        states.iter().map(|state| get(&state.outputs)).sum::<f64>() / states.len() as f64
+    };
+    type Row<'a> = (&'a str, &'a dyn Fn(&[State]) -> f64);
+    let rows: [Row; 8] = [
+        ("largest load [N/m]", &|s| most(s, |o| o.load)),
+        ("deepest penetration [um]", &|s| 1e6 * most(s, |o| o.penetration_depth)),
+        ("thinnest film [um]", &|s| 1e6 * least(s, |o| o.minimum_film_thickness)),
+        ("longest contact [mm]", &|s| 1e3 * most(s, |o| o.contact_length)),
+        ("least fluid load support", &|s| least(s, |o| o.fluid_load_support)),
+        ("largest friction coefficient", &|s| most(s, |o| o.friction_coefficient)),
+        ("mean friction coefficient", &|s| mean(s, |o| o.friction_coefficient)),
+        ("fluid given off in the cycle [mm^2]", &|s| 1e6 * s.last().map_or(0.0, |state| state.exchange)),
+    ];
+    let mut text = String::from("| over the cycle | in time | quasi-steady |\n|---|---|---|\n");
+    for (name, value) in rows {
+        let cells = [transient, steady].map(|states| format::number(value(states), 4));
+        text += &format!("| {name} | {} | {} |\n", cells[0], cells[1]);
+    }
+    text
+}
+
+fn verdict(transient: &Transient, tolerance: f64) -> String {
+    let count = transient.cycles.len();
+    let percent = |share: f64| format!("{} %", format::number(100.0 * share, 3));
+    match transient.change {
+        Some(change) if change < tolerance => {
+            format!("Periodic: cycle {count} differs from the one before by {} at most.\n", percent(change))
+        }
+        Some(change) => format!(
+            "Not periodic: cycle {count} differs from the one before by up to {}, and less than {} was asked for; take more with --cycles.\n",
+            percent(change),
+            percent(tolerance)
+        ),
+        None => "One cycle: whether it repeats is not known.\n".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn states(depths: [f64; 2], solid_load: f64) -> Vec<State> {
+        let of = |penetration_depth| Outputs { penetration_depth, load: 20.0, solid_load, ..Outputs::default() };
+        let state = |depth| State { time: 0.0, phase: 0.0, inputs: Inputs::NONE, outputs: of(depth), exchange: 0.0 };
+        depths.map(state).into()
+    }
+
+    #[test]
+    fn cycles_are_compared_by_depth_and_by_who_carries_the_load() {
+        let before = states([4e-6, -10e-6], 2.0);
+        assert_eq!(change(&before, &before), 0.0);
+        assert!((change(&before, &states([5e-6, -10e-6], 2.0)) - 0.1).abs() < 1e-12);
+        assert!((change(&before, &states([4e-6, -10e-6], 7.0)) - 0.25).abs() < 1e-12);
+    }
+}
