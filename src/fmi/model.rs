@@ -33,7 +33,7 @@ pub struct Table {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum ModelState {
     /// The full model's state.
-    Full(Snapshot),
+    Full(Box<Snapshot>),
     /// The last step: the table has no other memory.
     Reduced(Drive, f64),
 }
@@ -159,7 +159,7 @@ impl Model {
     /// A copy of the state.
     pub fn save(&self) -> ModelState {
         match self {
-            Self::Full(simulation) => ModelState::Full(simulation.snapshot()),
+            Self::Full(simulation) => ModelState::Full(Box::new(simulation.snapshot())),
             Self::Reduced(table) => ModelState::Reduced(table.drive, table.duration),
         }
     }
