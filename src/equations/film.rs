@@ -45,12 +45,13 @@ pub struct Terms {
 }
 
 impl Film {
-    /// Fluid r h at the quadrature points of an element [m].
+    /// Fluid r h at the quadrature points of an element [m]. Beside a node in contact an interpolated gap may be a little below zero;
+    /// it counts as it is, so that what is stored is linear in the gaps of the nodes, and has no kink where they close.
     pub fn mass(&self, at: &Local) -> [f64; 3] {
         GAUSS.map(|s| {
             let sum = |f: [f64; 3], v: &[f64]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
-            let gap = sum(quadratic(s), &at[..3]).max(0.0);
-            gap * (self.fluid_compressibility * sum(pressure(self.pressure_order, s), &at[3..])).exp()
+            sum(quadratic(s), &at[..3])
+                * (self.fluid_compressibility * sum(pressure(self.pressure_order, s), &at[3..])).exp()
         })
     }
 
@@ -60,10 +61,9 @@ impl Film {
             let sum = |f: [f64; 3], v: &[f64]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
             let value = pressure(self.pressure_order, s);
             let gap = sum(quadratic(s), &at[..3]);
-            let open = if gap > 0.0 { 1.0 } else { 0.0 };
             let density = (self.fluid_compressibility * sum(value, &at[3..])).exp();
             let denser = self.fluid_compressibility * sum(value, &change[3..]);
-            open * density * (sum(quadratic(s), &change[..3]) + gap * denser)
+            density * (sum(quadratic(s), &change[..3]) + gap * denser)
         })
     }
 
@@ -89,19 +89,18 @@ impl Film {
             let gap = sum(&shape, &at[..3]);
             let density = (self.fluid_compressibility * sum(&value, &at[3..])).exp();
             let flux = reynolds_flux(gap, sum(&slope, &at[3..]), sliding_speed, self.viscosity);
-            let open = if gap > 0.0 { 1.0 } else { 0.0 };
             let weight = 0.5 * length * w * density;
-            let storage = mass_rate.rate * gap * open + mass_rate.history[q] / density;
+            let storage = mass_rate.rate * gap + mass_rate.history[q] / density;
             for a in 0..3 {
                 terms.residual[a] += weight * (-flux.value * slope[a] + storage * value[a]);
                 terms.by_speed[a] -= weight * flux.by_sliding_speed * slope[a];
                 for b in 0..3 {
                     terms.tangent[a][b] +=
-                        weight * (-flux.by_film_thickness * slope[a] + mass_rate.rate * open * value[a]) * shape[b];
+                        weight * (-flux.by_film_thickness * slope[a] + mass_rate.rate * value[a]) * shape[b];
                     let chi = self.fluid_compressibility * value[b];
                     terms.tangent[a][3 + b] += weight
                         * (-(flux.by_pressure_gradient * slope[b] + flux.value * chi) * slope[a]
-                            + mass_rate.rate * gap * open * chi * value[a]);
+                            + mass_rate.rate * gap * chi * value[a]);
                 }
             }
         }

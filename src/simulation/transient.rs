@@ -19,7 +19,9 @@ const ITERATIONS: usize = 12;
 /// Newton's method keeps a factorisation while each update is at most this share of the one before.
 const REUSE: f64 = 0.2;
 /// Internal steps are no shorter than the communication step over two to this power.
-const HALVINGS: i32 = 40;
+const HALVINGS: i32 = 24;
+/// Most internal steps of a communication step, tried and taken: a host tool must not wait for ever.
+const MOST_TRIALS: usize = 20_000;
 
 /// How the unknowns move, from the last two stages: where to start looking for the next.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -230,10 +232,16 @@ fn march(
     let shortest = f64::from(-HALVINGS).exp2();
     let mut walker = Walker::new(bodies, start);
     let (mut done, mut wanted, mut steps) = (0.0, suggestion, Vec::new());
+    let mut trials = 0;
     while done < 1.0 {
+        trials += 1;
         let share = share_of_step(done, (1.2 * wanted).min(longest) / duration);
         let (time, step) = (done * duration, share * duration);
         let stuck = |reason| Stop::Stuck { time, reason };
+        if trials > MOST_TRIALS {
+            let reason = format!("{MOST_TRIALS} internal steps were not enough");
+            return (Err(stuck(reason)), walker.iterations);
+        }
         match walker.stages(bodies, drive, time, step, |_, _, _| Ok(())) {
             Ok([_, second]) if second.point.mirrored && bodies.drags(&second.point) => {
                 return (Err(Stop::Dragged), walker.iterations);

@@ -14,16 +14,16 @@ def run(fmu, columns, rows, **options):
 
 
 def test_a_given_load_is_carried_and_the_depth_follows(fmu):
-    rows = [(0.0, 20.0, 0.2), (0.1, 60.0, 0.2), (0.2, 60.0, -0.2)]
+    rows = [(0.0, 20.0, 0.2), (0.1, 40.0, 0.2), (0.2, 40.0, -0.2)]
     outputs = ["load", "applied_load", "penetration_depth_result", "minimum_film_thickness", "upper_friction_force"]
     result = run(
         fmu, ["applied_load", "sliding_speed"], rows, output=outputs, output_interval=0.01,
         start_values={**IN_TIME, "control": 2, "applied_load": 20.0},
     )
-    assert result["load"] == pytest.approx(np.interp(result["time"], [0, 0.1, 0.2], [20, 60, 60]), rel=1e-5)
+    assert result["load"] == pytest.approx(np.interp(result["time"], [0, 0.1, 0.2], [20, 40, 40]), rel=1e-5)
     assert result["penetration_depth_result"][10] > result["penetration_depth_result"][0]
-    # Through the reversal the film is squeezed, but not out.
-    assert 0 < result["minimum_film_thickness"][15] < result["minimum_film_thickness"][10]
+    # Where the surfaces stand still for a moment the bodies sink, but far less than to the dry contact of a steady state.
+    assert 0 < result["penetration_depth_result"][15] - result["penetration_depth_result"][10] < 5e-6
     assert result["upper_friction_force"][0] > 0 > result["upper_friction_force"][-1]
 
 
