@@ -129,7 +129,7 @@ class Slave:
 
     def rate(self, output):
         if self.version == 3:
-            return self.fmu.getOutputDerivatives([self.references[output]], [1], 1)[0]
+            return self.fmu.getOutputDerivatives([self.references[output]], [1])[0]
         references, orders = (fmi2ValueReference * 1)(self.references[output]), (fmi2Integer * 1)(1)
         values = (fmi2Real * 1)()
         self.fmu.fmi2GetRealOutputDerivatives(self.fmu.component, references, 1, orders, values)
