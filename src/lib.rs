@@ -57,7 +57,7 @@
 //! # fn main() -> Result<(), cartilage_contact::error::Error> {
 //! let mesh = Mesh { columns: 40, rows: 4, ..Parameters::default().mesh };
 //! let mut contact = Simulation::new(&Parameters { mesh, ..Parameters::default() })?;
-//! contact.solve_steady(Inputs { penetration_depth: 0.0, sliding_speed: 0.2, slide_to_roll_ratio: 0.0 })?;
+//! contact.solve_steady(Inputs { penetration_depth: 0.0, sliding_speed: 0.2, ..Inputs::NONE })?;
 //! let outputs = contact.outputs();
 //! assert!((outputs.load - 9.2).abs() < 0.1, "{} N/m", outputs.load);
 //! assert!((outputs.minimum_film_thickness - 3.17e-6).abs() < 0.1e-6);
