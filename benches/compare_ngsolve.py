@@ -8,7 +8,7 @@ PYTHON is an interpreter that has NGSolve and MKL, PEER the NGSolve program. Bot
 boundary friction on the tissue, on the same graded mesh and at the same depths, a micron apart. Each stops by its own rule, this
 project where the next update would be below a millionth, the peer where the last was below 1 Pa and 0.1 nm; the seconds of an
 iteration do not depend on it. Runs alternate, so that a busy machine is busy for both. Of the peer only its Newton iterations
-are counted; of this project everything between two inputs, derivatives and outputs included.
+are counted; of this project everything between two inputs, the tangent for the next one and the outputs included.
 """
 import argparse
 import json

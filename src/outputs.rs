@@ -147,6 +147,34 @@ impl<T: Copy> Outputs<T> {
     }
 }
 
+impl Outputs<Dual64> {
+    /// What follows from the loads on fluid and solid, the fluid's friction on the upper and the lower body and that of solid on solid,
+    /// all per unit depth: forces, ratios and the Sommerfeld number (equations 11 to 15). The rest is zero.
+    pub(crate) fn of_forces(
+        parameters: &Parameters,
+        sliding_speed: Dual64,
+        [fluid_load, solid_load]: [Dual64; 2],
+        fluid_friction: [Dual64; 2],
+        boundary_friction: Dual64,
+    ) -> Self {
+        let load = fluid_load + solid_load;
+        let friction = fluid_friction.map(|fluid| fluid + boundary_friction);
+        Self {
+            load,
+            fluid_load,
+            solid_load,
+            normal_force: load * parameters.width,
+            upper_friction_force: friction[0] * parameters.width,
+            lower_friction_force: friction[1] * parameters.width,
+            friction_coefficient: ratio_of(magnitude(friction[0]), load),
+            fluid_friction_coefficient: ratio_of(magnitude(fluid_friction[0]), fluid_load),
+            fluid_load_support: ratio_of(fluid_load, load),
+            sommerfeld_number: ratio_of(sliding_speed * parameters.viscosity, load),
+            ..Outputs::<f64>::default().map(Dual64::from)
+        }
+    }
+}
+
 /// Strength of the grading of the profile stations towards x = 0; a constant, so that the stations do not move with the mesh.
 const STATION_GRADING: f64 = 3.0;
 
@@ -219,7 +247,6 @@ impl Solved<'_> {
         let contact_pressure: Vec<_> = system.weights.iter().enumerate().map(|(i, w)| force(i) / *w).collect();
         let solid_load: Dual64 = (0..gap.len()).map(force).sum();
         let fluid_load: Dual64 = pressure.iter().zip(&system.weights).map(|(p, w)| *p * *w).sum();
-        let load = fluid_load + solid_load;
 
         // Friction: equations 13-15.
         let (mut rolling, mut sliding) = (Dual64::from(0.0), Dual64::from(0.0));
@@ -237,7 +264,7 @@ impl Solved<'_> {
             mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);
         let mobilised = Dual64::new(m, slopes[0] * speeds[0].eps + slopes[1] * speeds[1].eps);
         let boundary = solid_load * mobilised * p.boundary_friction_coefficient;
-        let friction = [rolling + sliding + boundary, -rolling + sliding + boundary];
+        let fluid_friction = [rolling + sliding, -rolling + sliding];
 
         let touching = self.at.active.contains(&true);
         let (least, position) = extremum(&gap, &system.stations, -1.0);
@@ -267,15 +294,6 @@ impl Solved<'_> {
 
         let profile = |values: &[Dual64]| self.profile(values);
         Outputs {
-            load,
-            fluid_load,
-            solid_load,
-            normal_force: load * p.width,
-            upper_friction_force: friction[0] * p.width,
-            lower_friction_force: friction[1] * p.width,
-            friction_coefficient: ratio_of(magnitude(friction[0]), load),
-            fluid_friction_coefficient: ratio_of(magnitude(rolling + sliding), fluid_load),
-            fluid_load_support: ratio_of(fluid_load, load),
             minimum_film_thickness: least,
             minimum_film_position: position,
             central_film_thickness: if self.at.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
@@ -287,7 +305,6 @@ impl Solved<'_> {
                 .copied()
                 .fold(Dual64::from(0.0), |a, b| if b.re > a.re { b } else { a }),
             maximum_von_mises_stress: self.von_mises(change),
-            sommerfeld_number: ratio_of(speed * p.viscosity, load),
             fluid_exudation: outflow.clone().filter(|v| v.re > 0.0).sum(),
             net_fluid_exudation: outflow.sum(),
             penetration_depth: depth,
@@ -297,6 +314,7 @@ impl Solved<'_> {
             film_thickness: profile(&gap).into_iter().map(|h| if h.re > 0.0 { h } else { Dual64::from(0.0) }).collect(),
             fluid_pressure: profile(&pressure),
             contact_pressure: self.linear_profile(&contact_pressure),
+            ..Outputs::of_forces(p, speed, [fluid_load, solid_load], fluid_friction, boundary)
         }
     }
 
@@ -353,12 +371,12 @@ impl Solved<'_> {
     }
 }
 
-pub(crate) fn magnitude(a: Dual64) -> Dual64 {
+fn magnitude(a: Dual64) -> Dual64 {
     if a.re < 0.0 { -a } else { a }
 }
 
 /// A ratio of loads that stays finite without load.
-pub(crate) fn ratio_of(a: Dual64, b: Dual64) -> Dual64 {
+fn ratio_of(a: Dual64, b: Dual64) -> Dual64 {
     a / if b.re > SMALLEST_LOAD { b } else { Dual64::from(SMALLEST_LOAD) }
 }
 

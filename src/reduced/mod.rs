@@ -18,7 +18,7 @@ use uuid::Uuid;
 use crate::equations::system::{half_width, surface_speeds};
 use crate::error::Error;
 use crate::laws::contact::mobilised_friction;
-use crate::outputs::{Outputs, Regime, STATIONS, magnitude, profile_stations, ratio_of};
+use crate::outputs::{Outputs, Regime, STATIONS, profile_stations};
 use crate::parameters::{Inputs, Parameters};
 pub use build::{Progress, Tolerance};
 use table::{Chart, Grid, Patch, SCALARS, Side, State, mirrored, place, positive};
@@ -220,20 +220,9 @@ impl ReducedModel {
         let profile = |k: usize| (0..STATIONS).map(|i| dual(SCALARS + k * STATIONS + i)).collect();
         let speed = Dual64::new(inputs.sliding_speed, if input == 1 { 1.0 } else { 0.0 });
         let (fluid_load, solid_load) = (dual(place::FLUID_LOAD), dual(place::SOLID_LOAD));
-        let load = fluid_load + solid_load;
         let solid_friction = solid_load * Dual64::new(boundary[0], boundary[1 + input]);
         let fluid_friction = [dual(place::UPPER_FRICTION), dual(place::LOWER_FRICTION)];
-        let friction = fluid_friction.map(|fluid| fluid + solid_friction);
         Outputs {
-            load,
-            fluid_load,
-            solid_load,
-            normal_force: load * p.width,
-            upper_friction_force: friction[0] * p.width,
-            lower_friction_force: friction[1] * p.width,
-            friction_coefficient: ratio_of(magnitude(friction[0]), load),
-            fluid_friction_coefficient: ratio_of(magnitude(fluid_friction[0]), fluid_load),
-            fluid_load_support: ratio_of(fluid_load, load),
             minimum_film_thickness: dual(place::MINIMUM_FILM),
             minimum_film_position: dual(place::MINIMUM_FILM_POSITION),
             central_film_thickness: dual(place::CENTRAL_FILM),
@@ -242,7 +231,6 @@ impl ReducedModel {
             minimum_fluid_pressure: dual(place::MINIMUM_FLUID_PRESSURE),
             maximum_contact_pressure: dual(place::MAXIMUM_CONTACT_PRESSURE),
             maximum_von_mises_stress: dual(place::VON_MISES),
-            sommerfeld_number: ratio_of(speed * p.viscosity, load),
             fluid_exudation: dual(place::EXUDATION),
             net_fluid_exudation: dual(place::NET_EXUDATION),
             penetration_depth: Dual64::new(inputs.penetration_depth, if input == 0 { 1.0 } else { 0.0 }),
@@ -256,6 +244,7 @@ impl ReducedModel {
             film_thickness: profile(0),
             fluid_pressure: profile(1),
             contact_pressure: profile(2),
+            ..Outputs::of_forces(p, speed, [fluid_load, solid_load], fluid_friction, solid_friction)
         }
     }
 

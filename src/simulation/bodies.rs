@@ -196,7 +196,7 @@ struct Border {
 }
 
 /// Most change of the depth in one iteration, as a share of the layers' thickness.
-const LONGEST_APPROACH: f64 = 0.02;
+pub(super) const LONGEST_APPROACH: f64 = 0.02;
 
 impl Balance<'_> {
     fn contact_forces(&self) -> Vec<f64> {

@@ -13,7 +13,7 @@ use self::derivatives::Derivatives;
 pub use self::drive::Drive;
 use self::steady::{Steady, Tangent};
 use self::transient::Motion;
-use crate::equations::system::{System, half_width};
+use crate::equations::system::{Rates, System, half_width};
 use crate::error::Error;
 use crate::fields::{Fields, Solution};
 use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
@@ -59,6 +59,16 @@ struct State {
 enum Path {
     Steady(Option<Tangent>),
     Transient(Box<Motion>),
+}
+
+impl Path {
+    /// Rates of change of what is stored, as a difference formula; none of a steady state.
+    fn rates(&self) -> Option<Rates> {
+        match self {
+            Self::Steady(_) => None,
+            Self::Transient(motion) => Some(motion.rates()),
+        }
+    }
 }
 
 /// Two cartilage layers with a film between them.
@@ -173,10 +183,7 @@ impl Simulation {
     /// Makes a converged state the present one.
     fn accept(&mut self, state: State) {
         let parameters = self.bodies.parameters;
-        let rates = match &state.path {
-            Path::Steady(_) => None,
-            Path::Transient(motion) => Some(motion.rates()),
-        };
+        let rates = state.path.rates();
         let system = self.bodies.system(state.point.mirrored);
         let solved = Solved { system, parameters: &parameters, at: state.point.at(rates.as_ref()) };
         self.outputs = solved.outputs();
@@ -237,10 +244,7 @@ impl Simulation {
     /// Fields of the last solution over both bodies and along the interface; `None` before anything was solved.
     pub fn fields(&self) -> Option<Fields> {
         let State { point, path, .. } = self.state.as_ref()?;
-        let rates = match path {
-            Path::Steady(_) => None,
-            Path::Transient(motion) => Some(motion.rates()),
-        };
+        let rates = path.rates();
         let system = self.bodies.made(point.mirrored)?;
         let Point { inputs, unknowns, active, .. } = point;
         let parameters = self.parameters();

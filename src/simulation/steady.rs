@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, Point, Task};
+use super::bodies::{Bodies, LONGEST_APPROACH, Point, Task};
 use crate::equations::system::{Direction, Rates};
 use crate::error::Error;
 use crate::parameters::{Control, Inputs};
@@ -307,7 +307,7 @@ fn predict(bodies: &mut Bodies, from: &Steady, target: &Inputs, control: Control
     if control == Control::Load {
         let load = system.load(&point.unknowns, &point.contact_forces);
         let [stiffness, by_speed, by_ratio] = tangent.load;
-        let most = 0.02 * system.thickness();
+        let most = LONGEST_APPROACH * system.thickness();
         let wanted = target.applied_load - load - by_speed * changes[1] - by_ratio * changes[2];
         changes[0] = if stiffness > 0.0 { (wanted / stiffness).clamp(-most, most) } else { 0.0 };
         point.inputs.penetration_depth += changes[0];
