@@ -11,6 +11,7 @@ use crate::laws::darcy::conductance;
 use crate::laws::film::reynolds_flux;
 use crate::laws::neo_hookean::Strain;
 use crate::parameters::{Inputs, Parameters};
+use crate::solver::linear::FIXED;
 
 /// Everything there is to draw of one state, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,9 +56,12 @@ pub struct InterfaceFields {
     pub film_thickness: Vec<f64>,
     /// Fluid pressure p, above ambient [Pa].
     pub fluid_pressure: Vec<f64>,
+    /// How much of the film thickness is void; zero unless the film may tear. More than the film where void has entered the tissue's
+    /// pores [m].
+    pub void_thickness: Vec<f64>,
     /// Pressure of solid on solid p_c, the normal stress S_n of the solid at the surface [Pa].
     pub contact_pressure: Vec<f64>,
-    /// Flux along the film Q = -h^3/(12 eta) p' + U h/2, per unit depth [m^2/s].
+    /// Flux along the film Q = -h^3/(12 eta) p' + U (h - c)/2 with the void c, per unit depth [m^2/s].
     pub film_flux: Vec<f64>,
     /// Fluid that leaves the upper body through its surface, V_1 [m/s].
     pub upper_outflow: Vec<f64>,
@@ -184,6 +188,8 @@ impl Solution<'_> {
         let stations = system.stations.len();
         let film_thickness: Vec<f64> = system.layout.gap.iter().map(|n| self.unknowns[*n as usize].max(0.0)).collect();
         let fluid_pressure: Vec<f64> = upper.fluid_pressure.iter().step_by(upper.levels()).copied().collect();
+        let value = |number: &u32| if *number == FIXED { 0.0 } else { self.unknowns[*number as usize] };
+        let void_thickness: Vec<f64> = system.layout.void.iter().map(value).collect();
 
         let mut residual = Residual::default();
         system.residual(self.unknowns, &mut self.active.to_vec(), self.inputs, self.rates, &mut residual)?;
@@ -194,11 +200,12 @@ impl Solution<'_> {
         let (upper_outflow, weight) = self.outflow(0)?;
         let lower_outflow = if system.mirrored() { upper_outflow.clone() } else { self.outflow(1)?.0 };
         let outflow: Vec<f64> = upper_outflow.iter().zip(&lower_outflow).map(|(a, b)| a + b).collect();
-        let film_flux = self.film_flux(&film_thickness, &fluid_pressure, &outflow, &weight);
+        let film_flux = self.film_flux(&film_thickness, &fluid_pressure, &void_thickness, &outflow, &weight);
         Ok(InterfaceFields {
             position: system.stations.clone(),
             film_thickness,
             fluid_pressure,
+            void_thickness,
             contact_pressure,
             film_flux,
             upper_outflow,
@@ -211,13 +218,15 @@ impl Solution<'_> {
     /// Flux along the film: the formula where the film is thinnest, from there on what the outflows add.
     ///
     /// The formula multiplies the slope of the pressure by h^3, which makes the slightest error large where the film is thick.
-    fn film_flux(&self, film: &[f64], pressure: &[f64], outflow: &[f64], weight: &[f64]) -> Vec<f64> {
+    fn film_flux(&self, film: &[f64], pressure: &[f64], void: &[f64], outflow: &[f64], weight: &[f64]) -> Vec<f64> {
         let x = &self.system.stations;
         // Middles of elements, where the slope of a quadratic pressure is best.
         let middles = (1..film.len()).step_by(2);
         let thinnest = middles.min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(1);
         let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (x[thinnest + 1] - x[thinnest - 1]);
-        let known = reynolds_flux(film[thinnest], slope, self.inputs.sliding_speed, self.parameters.viscosity).value;
+        let speed = self.inputs.sliding_speed;
+        let flux = reynolds_flux(film[thinnest], slope, speed, self.parameters.viscosity);
+        let known = flux.value - 0.5 * void[thinnest] * speed;
         let mut sum = 0.0;
         let added: Vec<f64> = outflow
             .iter()

@@ -84,6 +84,8 @@ pub struct Outputs<T = f64> {
     pub central_film_thickness: T,
     /// Length over which the solids touch, b (equation 8) [m].
     pub contact_length: T,
+    /// Length over which the film is torn, to half an element [m].
+    pub cavitated_length: T,
     /// Largest fluid pressure on the interface [Pa].
     pub maximum_fluid_pressure: T,
     /// Smallest fluid pressure on the interface [Pa].
@@ -130,6 +132,7 @@ impl<T: Copy> Outputs<T> {
             minimum_film_position: f(self.minimum_film_position),
             central_film_thickness: f(self.central_film_thickness),
             contact_length: f(self.contact_length),
+            cavitated_length: f(self.cavitated_length),
             maximum_fluid_pressure: f(self.maximum_fluid_pressure),
             minimum_fluid_pressure: f(self.minimum_fluid_pressure),
             maximum_contact_pressure: f(self.maximum_contact_pressure),
@@ -235,9 +238,21 @@ impl Solved<'_> {
         let levels = system.layers[0].mesh.levels();
         let mut pressure: Vec<_> =
             system.layout.pressure[0].iter().step_by(levels).map(|number| dual(*number)).collect();
+        let void = system.layout.void.iter().map(|number| dual(*number));
+        let mut void_share: Vec<_> = void
+            .zip(&gap)
+            .zip(self.at.active)
+            .map(|((void, gap), active)| match void.re > 0.0 && !active {
+                true if void.re < gap.re => void / *gap,
+                true => Dual64::from(1.0),
+                false => Dual64::from(0.0),
+            })
+            .collect();
         if p.pressure_order == 1 {
-            for i in (1..pressure.len()).step_by(2) {
-                pressure[i] = (pressure[i - 1] + pressure[i + 1]) * 0.5;
+            for values in [&mut pressure, &mut void_share] {
+                for i in (1..values.len()).step_by(2) {
+                    values[i] = (values[i - 1] + values[i + 1]) * 0.5;
+                }
             }
         }
         let force = |i: usize| match self.at.active[i] {
@@ -257,7 +272,9 @@ impl Solved<'_> {
                 let h = local(&gap, quadratic(s));
                 let h = if h.re > 0.0 { h } else { Dual64::from(0.0) };
                 rolling += h * local(&pressure, quadratic_derivative(s)) * (0.5 * w);
-                sliding += difference * (p.viscosity * half * w) / (h + p.shear_film_offset);
+                // Void drags nothing. Its jumps at the ends of the torn film make a parabola overshoot; straight lines do not.
+                let full = -local(&void_share, linear(s)) + 1.0;
+                sliding += difference * full * (p.viscosity * half * w) / (h + p.shear_film_offset);
             }
         }
         let (m, slopes) =
@@ -289,8 +306,19 @@ impl Solved<'_> {
             };
         }
 
+        let torn = system.torn(&self.at);
+        let torn = (1..gap.len() - 1).filter(|i| torn[*i]);
+        let length_at = |i: usize| 0.5 * (system.stations[i + 1] - system.stations[i - 1]);
+        let cavitated_length = torn.fold(0.0, |sum, i| sum + length_at(i));
+
         let outflow = system.film_outflow(self.at, change);
         let outflow = outflow[1..outflow.len() - 1].iter().map(|v| Dual64::new(v[0], v[1]));
+
+        // A film that may tear has its pressure in straight lines from node to node.
+        let least_pressure = match p.cavitation {
+            true => pressure.iter().fold(pressure[0], |a, b| if b.re < a.re { *b } else { a }),
+            false => extremum(&pressure, &system.stations, -1.0).0,
+        };
 
         let profile = |values: &[Dual64]| self.profile(values);
         Outputs {
@@ -298,8 +326,9 @@ impl Solved<'_> {
             minimum_film_position: position,
             central_film_thickness: if self.at.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
             contact_length,
+            cavitated_length: Dual64::from(cavitated_length),
             maximum_fluid_pressure: extremum(&pressure, &system.stations, 1.0).0,
-            minimum_fluid_pressure: extremum(&pressure, &system.stations, -1.0).0,
+            minimum_fluid_pressure: least_pressure,
             maximum_contact_pressure: contact_pressure
                 .iter()
                 .copied()
@@ -369,6 +398,11 @@ impl Solved<'_> {
         let direction = Tissue::strain(mesh, element, point, &local).gradient;
         Dual64::new(stress, system.layers[body].tissue.solid.von_mises_derivative(&strain, &direction))
     }
+}
+
+/// Shape functions of the straight lines between the nodes -1, 0, 1.
+fn linear(s: f64) -> [f64; 3] {
+    if s < 0.0 { [-s, 1.0 + s, 0.0] } else { [0.0, 1.0 - s, s] }
 }
 
 fn magnitude(a: Dual64) -> Dual64 {

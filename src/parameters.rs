@@ -117,6 +117,10 @@ pub struct Parameters {
     pub maximum_internal_step: f64,
     /// Which model answers in the FMU; programs choose by which of them they make.
     pub fidelity: Fidelity,
+    /// Whether the film tears where its pressure would fall below the cavitation pressure.
+    pub cavitation: bool,
+    /// Least pressure of the film, above ambient [Pa].
+    pub cavitation_pressure: f64,
     /// How permeability answers to strain.
     pub permeability_law: PermeabilityLaw,
     /// Where the other values start from; to get these values, [`Preset::parameters`].
@@ -172,6 +176,8 @@ impl Default for Parameters {
             control: Control::Depth,
             relative_tolerance: 1e-3,
             maximum_internal_step: 1e3,
+            cavitation: false,
+            cavitation_pressure: -1e5,
             permeability_law: PermeabilityLaw::Constant,
             preset: Preset::Paper,
             named: Named::default(),

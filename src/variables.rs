@@ -345,7 +345,7 @@ static INPUTS: [(&str, Unit, f64, InputRow, &str); 5] = [
 type ResultRow = (&'static str, Unit, f64, Source, &'static str);
 
 #[rustfmt::skip]
-static RESULTS: [ResultRow; 24] = [
+static RESULTS: [ResultRow; 25] = [
     ("load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.load), "Load per unit depth, fluid and solid together"),
     ("fluid_load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.fluid_load), "Load per unit depth that fluid pressure carries"),
     ("solid_load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.solid_load), "Load per unit depth that solid contact carries"),
@@ -359,6 +359,7 @@ static RESULTS: [ResultRow; 24] = [
     ("minimum_film_position", Unit::Metre, 1e-3, Source::Result(|o| o.minimum_film_position), "Where the film is thinnest, along x from the middle of the contact"),
     ("central_film_thickness", Unit::Metre, 1e-6, Source::Result(|o| o.central_film_thickness), "Distance of the deformed surfaces in the middle of the contact"),
     ("contact_length", Unit::Metre, 1e-3, Source::Result(|o| o.contact_length), "Length along x over which the solids touch"),
+    ("cavitated_length", Unit::Metre, 1e-3, Source::Result(|o| o.cavitated_length), "Length along x over which the film is torn, to half an element; 0 unless cavitation is true"),
     ("maximum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_fluid_pressure), "Largest fluid pressure on the interface, above ambient"),
     ("minimum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.minimum_fluid_pressure), "Smallest fluid pressure on the interface, above ambient"),
     ("maximum_contact_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_contact_pressure), "Largest pressure of solid on solid"),

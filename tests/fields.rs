@@ -39,9 +39,15 @@ fn fields_agree_with_the_outputs() {
 
 #[test]
 fn outflow_and_film_flux_conserve_fluid() {
-    // In contact and out of it; equal bodies and unequal ones.
-    for (depth, thickness) in [(5e-6, 1e-3), (5e-6, 1.3e-3), (20e-6, 1e-3)] {
-        let (simulation, fields) = solved(depth, |p| p.upper.thickness = thickness);
+    // In contact and out of it; equal bodies and unequal ones; a torn film.
+    for (depth, thickness, cavitation) in
+        [(5e-6, 1e-3, false), (5e-6, 1.3e-3, false), (20e-6, 1e-3, false), (5e-6, 1.3e-3, true)]
+    {
+        let (simulation, fields) = solved(depth, |p| {
+            p.upper.thickness = thickness;
+            (p.cavitation, p.cavitation_pressure) = (cavitation, -1e3);
+        });
+        assert_eq!(simulation.outputs().cavitated_length > 0.0, cavitation);
         let f = &fields.interface;
         let last = f.position.len() - 1;
         let flows: Vec<f64> = f.outflow.iter().zip(&f.weight).map(|(v, w)| v * w).collect();

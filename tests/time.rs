@@ -149,6 +149,23 @@ fn a_load_that_no_film_carries_is_refused_with_the_least_one() {
     assert!(simulation.outputs().penetration_depth < before - 1.0 * MICRON);
 }
 
+/// Results on the way from stop to stop, each at its time, in so many communication steps from one to the next.
+fn through(simulation: &mut Simulation, stops: &[(f64, Inputs)], steps: u32) -> Vec<Outputs> {
+    simulation.solve_steady(stops[0].1).unwrap();
+    let mut course = Vec::new();
+    for pair in stops.windows(2) {
+        let duration = pair[1].0 - pair[0].0;
+        let Drive { inputs, rates } = between(pair[0].1, pair[1].1, duration);
+        for k in 0..steps {
+            let time = duration * f64::from(k) / f64::from(steps);
+            let inputs = inputs.combined(&rates, |value, rate| value + time * rate);
+            simulation.advance(Drive { inputs, rates }, duration / f64::from(steps)).unwrap();
+            course.push(simulation.outputs().clone());
+        }
+    }
+    course
+}
+
 /// Speed through zero twice; pressed, torn apart with suction, and pressed again.
 #[test]
 fn reversal_and_separation() {
@@ -165,19 +182,7 @@ fn reversal_and_separation() {
                 (0.13, depth(-15.0, 0.2)),
                 (0.15, depth(20.0, 0.2)),
             ];
-            simulation.solve_steady(stops[0].1).unwrap();
-            let mut course: Vec<Outputs> = Vec::new();
-            for pair in stops.windows(2) {
-                let duration = pair[1].0 - pair[0].0;
-                let Drive { inputs, rates } = between(pair[0].1, pair[1].1, duration);
-                for k in 0..5 {
-                    let time = duration * f64::from(k) / 5.0;
-                    let inputs = inputs.combined(&rates, |value, rate| value + time * rate);
-                    simulation.advance(Drive { inputs, rates }, duration / 5.0).unwrap();
-                    course.push(simulation.outputs().clone());
-                }
-            }
-            course
+            through(&mut simulation, &stops, 5)
         };
         let (course, fine) = (run(1e-3), run(1e-4));
         assert!(course.iter().any(|o| o.contact_length > 0.0));
@@ -190,6 +195,43 @@ fn reversal_and_separation() {
         }
         // Friction follows the speed.
         assert!(course[2].upper_friction_force > 0.0 && course[7].upper_friction_force < 0.0);
+    }
+}
+
+/// Pressed, torn apart, pressed again and set in motion with a film that may tear: no suction below the cavitation pressure, and in
+/// the end the past is forgotten.
+#[test]
+fn a_torn_film_heals() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        let stops =
+            [(0.0, depth(5.0, 0.0)), (0.02, depth(-15.0, 0.0)), (0.04, depth(5.0, 0.0)), (0.06, depth(5.0, 0.1))];
+        let run = |relative_tolerance: f64| {
+            let parameters = Parameters {
+                relative_tolerance,
+                cavitation: true,
+                cavitation_pressure: -300.0,
+                ..coarse(formulation, Control::Depth)
+            };
+            let mut simulation = Simulation::new(&parameters).unwrap();
+            let course = through(&mut simulation, &stops, 5);
+            (simulation, course)
+        };
+        let ((mut simulation, course), (_, fine)) = (run(1e-3), run(1e-4));
+        let largest = fine.iter().fold(0.0_f64, |a, o| a.max(o.load.abs()));
+        for (o, f) in course.iter().zip(&fine) {
+            assert!(o.minimum_fluid_pressure > -300.0 - 1e-6, "{formulation:?}: {}", o.minimum_fluid_pressure);
+            assert!((o.load - f.load).abs() < 1e-2 * largest, "{formulation:?}: {} {}", o.load, f.load);
+        }
+        // Without cavitation it pulls at ten times that.
+        assert!(course[2].cavitated_length > 1e-3 && course[2].load > -2.0);
+        for _ in 0..4 {
+            simulation.advance(Drive::constant(stops[3].1), 1e3).unwrap();
+        }
+        let late = simulation.outputs().clone();
+        simulation.solve_steady(stops[3].1).unwrap();
+        assert_relative_eq!(late.load, simulation.outputs().load, max_relative = 1e-5);
+        assert_eq!(late.cavitated_length, simulation.outputs().cavitated_length);
+        assert!(late.cavitated_length > 1e-4);
     }
 }
 
@@ -263,22 +305,26 @@ fn size(name: &str, o: &Outputs) -> f64 {
 }
 
 /// Derivatives of the discrete step by every input against central differences: 1e-5 of the derivative plus 1e-5 of the output's size
-/// over the input's. Varied: formulation, control, film and contact, one and several internal steps. Internal steps are bounded so
+/// over the input's. Varied: formulation, control, film, contact and torn film, one and several internal steps. Internal steps are bounded so
 /// that they stay the same.
 #[test]
 fn derivatives_of_the_discrete_step() {
     let step = 2e-3;
-    for (formulation, control, first, then, longest) in [
-        (Formulation::Paper, Control::Depth, depth(5.0, 0.2), depth(6.0, 0.19), 1.0),
-        (Formulation::Consistent, Control::Depth, depth(22.0, 0.1), depth(22.5, 0.11), 1e-3),
-        (Formulation::Paper, Control::Depth, depth(20.0, 0.1), depth(20.5, 0.11), 5e-4),
-        (Formulation::Paper, Control::Load, load(40.0, 0.2), load(42.0, 0.19), 1e-3),
-        (Formulation::Consistent, Control::Load, load(150.0, 0.1), load(152.0, 0.11), 5e-4),
+    for (formulation, control, first, then, longest, cavitation) in [
+        (Formulation::Paper, Control::Depth, depth(5.0, 0.2), depth(6.0, 0.19), 1.0, false),
+        (Formulation::Consistent, Control::Depth, depth(22.0, 0.1), depth(22.5, 0.11), 1e-3, false),
+        (Formulation::Paper, Control::Depth, depth(20.0, 0.1), depth(20.5, 0.11), 5e-4, false),
+        (Formulation::Paper, Control::Load, load(40.0, 0.2), load(42.0, 0.19), 1e-3, false),
+        (Formulation::Consistent, Control::Load, load(150.0, 0.1), load(152.0, 0.11), 5e-4, false),
+        (Formulation::Paper, Control::Depth, depth(3.0, 0.2), depth(2.5, 0.19), 1e-3, true),
+        (Formulation::Consistent, Control::Load, load(40.0, 0.2), load(42.0, 0.19), 1e-3, true),
     ] {
         let parameters = Parameters {
             tolerance: 1e-11,
             relative_tolerance: 0.1,
             maximum_internal_step: longest,
+            cavitation,
+            cavitation_pressure: -1e3,
             ..coarse(formulation, control)
         };
         let mut simulation = Simulation::new(&parameters).unwrap();
@@ -294,6 +340,7 @@ fn derivatives_of_the_discrete_step() {
         simulation.advance(drive, step).unwrap();
         let value = simulation.outputs().clone();
         let touching = value.contact_length > 0.0;
+        assert_eq!(value.cavitated_length > 0.0, cavitation);
         for (input, scale) in Input::ALL.into_iter().zip([1e-5, 0.2, 1.0, 1e-2, 50.0]) {
             let exact = simulation.derivatives(input).unwrap().clone();
             let h = scale * if touching { 1e-6 } else { 1e-4 };

@@ -17,6 +17,8 @@ pub enum Quantity {
     Gap,
     /// A pressure [Pa].
     Pressure,
+    /// How much of a gap is void [m].
+    Void,
 }
 
 /// Numbers of the unknowns; [`FIXED`] where there is none.
@@ -34,6 +36,8 @@ pub struct Layout {
     pub vertical: Vec<Vec<u32>>,
     /// Pressure of each node of each body; the same number for both on the surface.
     pub pressure: Vec<Vec<u32>>,
+    /// Void at each station; [`FIXED`] where there is no pressure or the film cannot tear.
+    pub void: Vec<u32>,
     /// Unknowns of each cell, see [`Layout::cell`].
     pub cells: Vec<Vec<u32>>,
     /// In how many cells the gap of each station appears.
@@ -42,8 +46,8 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Numbers the unknowns of one or two layers with the same columns and rows.
-    pub fn new(meshes: &[&LayerMesh]) -> Self {
+    /// Numbers the unknowns of one or two layers with the same columns and rows, and of a film that may tear or not.
+    pub fn new(meshes: &[&LayerMesh], tears: bool) -> Self {
         let (columns, rows, levels) = (meshes[0].columns, meshes[0].rows, meshes[0].levels());
         let stations = 2 * columns + 1;
         let nodes = stations * levels;
@@ -59,6 +63,7 @@ impl Layout {
         };
         let mut gap = Vec::new();
         let mut mean = Vec::new();
+        let mut void = Vec::new();
         let mut horizontal = vec![vec![FIXED; nodes]; bodies];
         let mut vertical = horizontal.clone();
         let mut pressure = horizontal.clone();
@@ -68,6 +73,7 @@ impl Layout {
                 mean.push(new(Quantity::Displacement));
             }
             let shared = if has_pressure(i, 0) { new(Quantity::Pressure) } else { FIXED };
+            void.push(if tears && shared != FIXED { new(Quantity::Void) } else { FIXED });
             for body in 0..bodies {
                 for j in 0..levels {
                     let node = i * levels + j;
@@ -92,6 +98,7 @@ impl Layout {
             horizontal,
             vertical,
             pressure,
+            void,
             cells: Vec::new(),
             gap_uses: vec![0.0; stations],
             rows,
@@ -112,6 +119,10 @@ impl Layout {
                 if bodies == 2 {
                     unknowns.extend_from_slice(&layout.mean[2 * column..2 * column + 3]);
                     unknowns.extend((0..3).map(|a| layout.horizontal[1 - body][element_nodes[a]]));
+                }
+                // With both bodies, as the pressures are, so that both are eliminated together.
+                if tears {
+                    unknowns.extend_from_slice(&layout.void[2 * column..2 * column + 3]);
                 }
             }
             layout.cells.push(unknowns);

@@ -75,6 +75,7 @@ pub fn interface(fields: &InterfaceFields) -> String {
         &[
             nodal("film thickness [m]", &fields.film_thickness),
             nodal("fluid pressure [Pa]", &fields.fluid_pressure),
+            nodal("void thickness [m]", &fields.void_thickness),
             nodal("contact pressure [Pa]", &fields.contact_pressure),
             nodal("film flux [m2/s]", &fields.film_flux),
             nodal("outflow of upper body [m/s]", &fields.upper_outflow),

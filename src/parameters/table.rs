@@ -420,10 +420,26 @@ static CHOICE_ROWS: [Parameter; 3] = [
     },
 ];
 
+static CAVITATION_ROWS: [Parameter; 2] = [
+    Parameter {
+        name: "cavitation",
+        unit: Unit::One,
+        description: "Whether the film tears where its pressure would fall below cavitation_pressure; mass is conserved",
+        kind: Kind::Boolean { access: |p| &mut p.cavitation },
+    },
+    real(
+        "cavitation_pressure",
+        Unit::Pascal,
+        [-1e9, 0.0, 1e5],
+        |p| &mut p.cavitation_pressure,
+        "Least pressure of the film, above ambient (where cavitation is true)",
+    ),
+];
+
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 41] = {
-    let parts: [&[Parameter]; 4] = [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS];
-    let mut rows = [&BODY_ROWS[0]; 41];
+pub static PARAMETERS: [&Parameter; 43] = {
+    let parts: [&[Parameter]; 5] = [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &CAVITATION_ROWS];
+    let mut rows = [&BODY_ROWS[0]; 43];
     let (mut part, mut first, mut place) = (0, 0, 0);
     while place < rows.len() {
         if place - first == parts[part].len() {

@@ -114,6 +114,13 @@ impl ReducedModel {
         let parameters = &Parameters { fidelity: Fidelity::Full, ..*parameters };
         parameters.validate()?;
         check(&range)?;
+        if parameters.cavitation {
+            return Err(Error::value(
+                "cavitation",
+                true,
+                "false: a reduced model has no torn film; fidelity = full has",
+            ));
+        }
         let [slowest, fastest] = range.speeds.map(f64::ln);
         let last = (FIRST_SPEEDS - 1) as f64;
         let log_speeds = (0..FIRST_SPEEDS).map(|i| slowest + (fastest - slowest) * i as f64 / last).collect();

@@ -227,6 +227,7 @@ impl ReducedModel {
             minimum_film_position: dual(place::MINIMUM_FILM_POSITION),
             central_film_thickness: dual(place::CENTRAL_FILM),
             contact_length: dual(place::CONTACT_LENGTH),
+            cavitated_length: Dual64::from(0.0),
             maximum_fluid_pressure: dual(place::MAXIMUM_FLUID_PRESSURE),
             minimum_fluid_pressure: dual(place::MINIMUM_FLUID_PRESSURE),
             maximum_contact_pressure: dual(place::MAXIMUM_CONTACT_PRESSURE),

@@ -163,6 +163,9 @@ impl Bodies {
         for (a, b) in one.layout.gap.iter().zip(&two.layout.gap) {
             copy(*a, *b, 1.0);
         }
+        for (a, b) in one.layout.void.iter().zip(&two.layout.void) {
+            copy(*a, *b, 1.0);
+        }
         // The upper body last: it is the one that counts where two become one.
         for (body, sign) in [(1, -1.0), (0, 1.0)] {
             for node in 0..one.layout.pressure[0].len() {

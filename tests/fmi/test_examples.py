@@ -34,6 +34,23 @@ def test_two_compartments(fmu2, tmp_path):
     assert (lateral[2:] < medial[2:]).all()
 
 
+def test_cavitation(fmu, tmp_path):
+    results = load("cavitation").main(
+        fmu, tmp_path / "cavitation.png", depths=1e-6 * np.array([-10, 0, 5]), parameters=COARSE
+    )
+    loads = [result["load"] for result in results.values()]
+    for pressure, result in results.items():
+        if pressure is None:
+            assert (result["cavitated_length"] == 0).all() and result["minimum_fluid_pressure"].min() < -2500
+        else:
+            assert result["minimum_fluid_pressure"].min() > pressure - 1e-3
+            assert result["cavitated_length"].max() > 1e-4
+    # Less suction, more load.
+    assert all((more > 0.99 * less).all() for less, more in zip(loads, loads[1:]))
+    assert (loads[-1] > 1.04 * loads[0]).all()
+    assert (tmp_path / "cavitation.png").stat().st_size > 10_000
+
+
 def test_joint_mujoco(fmu2, tmp_path):
     result = load("joint_mujoco").main(
         fmu2, picture=tmp_path / "joint.png", parameters={"mesh.columns": 24, "mesh.rows": 2}, duration=0.05,

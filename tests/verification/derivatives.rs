@@ -117,3 +117,28 @@ fn in_film_and_in_contact() {
         }
     }
 }
+
+/// Where the film is torn: fully void downstream, torn and formed again, and beside contact.
+#[test]
+fn where_the_film_is_torn() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        for (micron, cavitation_pressure, ratio, steps) in [
+            (-10.0, 0.0, 0.0, [1e-9, 2e-5, 1e-4]),
+            (5.0, -500.0, 0.3, [1e-10, 2e-6, 1e-5]),
+            (20.0, -2000.0, 0.3, [1e-11, 1e-6, 1e-5]),
+        ] {
+            let parameters = Parameters {
+                formulation,
+                tolerance: 1e-11,
+                cavitation: true,
+                cavitation_pressure,
+                mesh: Mesh { columns: 60, rows: 4, column_grading: 2.5, row_grading: 2.0 },
+                ..Parameters::default()
+            };
+            let mut simulation = Simulation::new(&parameters).unwrap();
+            let inputs = Inputs { penetration_depth: micron * 1e-6, sliding_speed: 0.2, ..Inputs::NONE };
+            compare(&mut simulation, Inputs { slide_to_roll_ratio: ratio, ..inputs }, steps);
+            assert!(simulation.outputs().cavitated_length > 1e-4);
+        }
+    }
+}

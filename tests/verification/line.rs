@@ -102,7 +102,11 @@ impl Line {
     fn terms(&self, element: usize) -> cartilage_contact::equations::film::Terms {
         let at = std::array::from_fn(|i| {
             let node = 2 * element + i % 3;
-            if i < 3 { self.thickness(node) } else { self.pressure[node] }
+            match i / 3 {
+                0 => self.thickness(node),
+                1 => self.pressure[node],
+                _ => 0.0,
+            }
         });
         let length = self.stations[2 * element + 2] - self.stations[2 * element];
         self.film.element(length, &at, self.sliding_speed, &self.rates[element])

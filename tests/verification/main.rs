@@ -9,6 +9,7 @@ mod line;
 mod pair;
 mod strip;
 
+mod cavitation;
 mod consolidation;
 mod derivatives;
 mod dry_contact;

@@ -14,7 +14,8 @@ use crate::strip::orders;
 const ETA: f64 = 1e-3;
 const R: f64 = 0.05;
 
-fn rigid(control: Control, relative_tolerance: f64, longest: f64) -> Simulation {
+/// Two bodies that hardly deform.
+pub fn rigid_bodies() -> Parameters {
     // Without Biot's coefficient the pores take no part.
     let body = Body {
         shear_modulus: 1e9,
@@ -23,18 +24,19 @@ fn rigid(control: Control, relative_tolerance: f64, longest: f64) -> Simulation 
         biot_coefficient: 0.0,
         ..Parameters::default().upper
     };
-    let parameters = Parameters {
+    Parameters {
         upper: body,
         lower: body,
         formulation: Formulation::Consistent,
         time_integration: TimeIntegration::Transient,
-        control,
-        relative_tolerance,
-        maximum_internal_step: longest,
         mesh: Mesh { columns: 60, rows: 1, column_grading: 2.5, row_grading: 0.0 },
         tolerance: 1e-7,
         ..Parameters::default()
-    };
+    }
+}
+
+fn rigid(control: Control, relative_tolerance: f64, longest: f64) -> Simulation {
+    let parameters = Parameters { control, relative_tolerance, maximum_internal_step: longest, ..rigid_bodies() };
     Simulation::new(&parameters).unwrap()
 }
 

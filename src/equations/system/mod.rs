@@ -120,6 +120,11 @@ pub fn surface_speeds(inputs: &Inputs) -> [f64; 2] {
     [0.5 * u * (1.0 + s), 0.5 * u * (1.0 - s)]
 }
 
+/// Whether anything moves the fluid of the film: walls or time.
+fn moves(inputs: &Inputs, rates: Option<&Rates>) -> bool {
+    inputs.sliding_speed != 0.0 || rates.is_some()
+}
+
 /// Half the width of the interface [m].
 pub fn half_width(parameters: &Parameters) -> f64 {
     parameters.upper.outer_radius.min(parameters.lower.outer_radius) * parameters.sector_half_angle.sin()
@@ -207,17 +212,21 @@ impl System {
             }
         }
         let meshes: Vec<_> = layers.iter().map(|layer| &layer.mesh).collect();
-        let layout = Layout::new(&meshes);
+        let layout = Layout::new(&meshes, p.cavitation);
 
         let modulus = layers.iter().map(Layer::aggregate_modulus).fold(0.0, f64::max);
         let thickness = p.upper.thickness.max(p.lower.thickness);
         let mobility = layers.iter().map(|layer| layer.tissue.mobility).fold(0.0, f64::max);
         // One micron of displacement goes with this much pressure; rows are scaled to match.
         let (length, pressure) = (1e-6, 1e-6 * modulus / thickness);
-        let column_scale = layout.quantities.iter().map(|q| if *q == Quantity::Pressure { pressure } else { length });
+        let column_scale = layout.quantities.iter().map(|q| match q {
+            Quantity::Pressure => pressure,
+            Quantity::Displacement | Quantity::Gap | Quantity::Void => length,
+        });
         let row_scale = layout.quantities.iter().map(|q| match q {
             Quantity::Pressure => 1.0 / (mobility * pressure),
-            _ => 1.0 / (modulus * length),
+            Quantity::Void => 1.0 / pressure,
+            Quantity::Displacement | Quantity::Gap => 1.0 / (modulus * length),
         });
         let linear = Multifrontal::new(&layout.cells, &layout.clusters(), row_scale.collect(), column_scale.collect());
         Self {
@@ -229,6 +238,7 @@ impl System {
                 viscosity: p.viscosity,
                 fluid_compressibility: p.fluid_compressibility,
                 pressure_order: p.pressure_order,
+                tears: p.cavitation,
             },
             parameters: *parameters,
             contact_stiffness: modulus / thickness,
@@ -309,9 +319,33 @@ impl System {
         let levels = self.layers[0].mesh.levels();
         std::array::from_fn(|i| {
             let station = 2 * column + i % 3;
-            let number = if i < 3 { self.layout.gap[station] } else { self.layout.pressure[0][station * levels] };
+            let number = match i / 3 {
+                0 => self.layout.gap[station],
+                1 => self.layout.pressure[0][station * levels],
+                _ => self.layout.void[station],
+            };
             if number == FIXED { 0.0 } else { unknowns[number as usize] }
         })
+    }
+
+    /// Pressure and thickness of the void where there is either.
+    fn pressure_and_void(&self, station: usize, unknowns: &[f64]) -> [f64; 2] {
+        let node = station * self.layers[0].mesh.levels();
+        [self.layout.pressure[0][node], self.layout.void[station]].map(|number| unknowns[number as usize])
+    }
+
+    /// Whether there is void at a station that may have some: the primal-dual active set of complementarity between void and
+    /// pressure above that of cavitation. Void of a film that nothing moves would be undetermined, and there is none.
+    fn is_torn(&self, station: usize, unknowns: &[f64], moves: bool) -> bool {
+        let [pressure, void] = self.pressure_and_void(station, unknowns);
+        moves && pressure - self.parameters.cavitation_pressure < self.contact_stiffness * void
+    }
+
+    /// Stations where the film is torn.
+    pub fn torn(&self, at: &At<'_>) -> Vec<bool> {
+        let moves = moves(at.inputs, at.rates);
+        let torn = |i: usize| !at.active[i] && self.layout.void[i] != FIXED && self.is_torn(i, at.unknowns, moves);
+        (0..self.stations.len()).map(torn).collect()
     }
 
     fn film_length(&self, column: usize) -> f64 {
@@ -348,7 +382,7 @@ impl System {
         }
     }
 
-    /// Weight of gaps against contact pressures [Pa/m].
+    /// Weight of gaps against contact pressures, and of void against fluid pressures [Pa/m].
     pub fn contact_stiffness(&self) -> f64 {
         self.contact_stiffness
     }

@@ -1,6 +1,6 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
-use super::{Contents, Rates, Residual, System, boundary_friction_with_slopes, surface_speeds};
+use super::{Contents, Rates, Residual, System, boundary_friction_with_slopes, moves, surface_speeds};
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
 use crate::laws::contact::is_active;
 use crate::parameters::Inputs;
@@ -161,6 +161,14 @@ impl System {
             let gap = self.layout.gap[i] as usize;
             self.add_friction(i, share * contact_forces[i], values);
             values[gap] = self.layout.gap_uses[i] * self.contact_diagonal() * unknowns[gap];
+        }
+        for i in (0..active.len()).filter(|i| self.layout.void[*i] != FIXED) {
+            let [pressure, void] = self.pressure_and_void(i, unknowns);
+            values[self.layout.void[i] as usize] = self.layout.gap_uses[i]
+                * match self.is_torn(i, unknowns, moves(inputs, rates)) {
+                    true => pressure - self.parameters.cavitation_pressure,
+                    false => self.contact_stiffness * void,
+                };
         }
         Ok(changed)
     }

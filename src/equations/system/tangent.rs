@@ -1,6 +1,6 @@
 //! The tangent, and what follows from it: updates, and derivatives by the inputs.
 
-use super::{Contents, Rates, System, surface_speeds};
+use super::{Contents, Rates, System, moves, surface_speeds};
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
 use crate::fem::element::NODES;
 use crate::parameters::Inputs;
@@ -160,7 +160,7 @@ impl System {
         }
         let column = element / layer.mesh.rows;
         let half = 0.5 * layer.side;
-        let two_bodies = m > LOCAL;
+        let two_bodies = !self.mirrored();
         // Columns: the vertical displacement of a surface node is mean + side/2 gap.
         for a in 0..3 {
             for i in 0..LOCAL {
@@ -198,7 +198,17 @@ impl System {
                 for b in 0..3 {
                     matrix[(NODES + b) * m + 2 * NODES + a] += terms.tangent[a][b] / self.copies();
                     matrix[(2 * NODES + b) * m + 2 * NODES + a] += terms.tangent[a][3 + b] / self.copies();
+                    if self.film.tears {
+                        matrix[(m - 3 + b) * m + 2 * NODES + a] += terms.tangent[a][6 + b] / self.copies();
+                    }
                 }
+            }
+        }
+        for a in (0..3).filter(|a| self.layout.void[2 * column + a] != FIXED) {
+            let row = m - 3 + a;
+            match self.is_torn(2 * column + a, unknowns, moves(inputs, rates)) {
+                true => matrix[(2 * NODES + a) * m + row] = 1.0,
+                false => matrix[row * m + row] = self.contact_stiffness,
             }
         }
     }

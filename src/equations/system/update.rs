@@ -59,7 +59,7 @@ impl System {
             match quantity {
                 Quantity::Displacement => displacement = (displacement.0.max(value), displacement.1.max(change)),
                 Quantity::Pressure => pressure = (pressure.0.max(value), pressure.1.max(change)),
-                Quantity::Gap => gap = gap.max(change / (value + THIN_FILM * self.thickness)),
+                Quantity::Gap | Quantity::Void => gap = gap.max(change / (value + THIN_FILM * self.thickness)),
             }
         }
         (displacement.1 / displacement.0).max(pressure.1 / pressure.0).max(gap)
@@ -74,7 +74,7 @@ impl System {
             let (field, largest, change) = match quantity {
                 Quantity::Displacement => (0, value.abs(), *change),
                 Quantity::Pressure => (1, value.abs(), *change),
-                Quantity::Gap => (2, 1.0, change / (value.abs() + THIN_FILM * self.thickness)),
+                Quantity::Gap | Quantity::Void => (2, 1.0, change / (value.abs() + THIN_FILM * self.thickness)),
             };
             let (scale, sum, count) = &mut fields[field];
             *scale = largest.max(*scale);
