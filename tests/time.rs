@@ -197,8 +197,9 @@ fn reversal_and_separation() {
     }
 }
 
-/// Pressed into contact, torn apart with suction and closed again, sliding to and fro: between communication points four times as
-/// close the loads change about a fourth as much. Where something jumped they would change as much.
+/// Pressed into contact, torn apart with suction and closed again, sliding to and fro. The second differences of the loads at
+/// communication points four times as close are a sixteenth where the course is smooth and a fourth at a corner; a jump, of 1 % of
+/// the largest load already, would leave them what they are.
 #[test]
 fn loads_do_not_jump_where_the_film_closes_opens_or_turns() {
     for formulation in [Formulation::Paper, Formulation::Consistent] {
@@ -206,7 +207,7 @@ fn loads_do_not_jump_where_the_film_closes_opens_or_turns() {
             mesh: Mesh { columns: 20, rows: 2, column_grading: 2.5, row_grading: 2.0 },
             ..coarse(formulation, Control::Depth)
         };
-        let largest_changes = |steps: i32| {
+        let second_differences = |steps: i32| {
             let at = |k: i32| {
                 let angle = 2.0 * std::f64::consts::PI * f64::from(k) / f64::from(steps);
                 depth(10.0 + 25.0 * angle.sin(), 0.2 * (1.5 * angle).cos())
@@ -220,10 +221,12 @@ fn loads_do_not_jump_where_the_film_closes_opens_or_turns() {
                 course.push(simulation.outputs().clone());
             }
             assert!(course.iter().any(|o| o.solid_load > 10.0) && course.iter().any(|o| o.load < -1.0));
-            [|o: &Outputs| o.load, |o: &Outputs| o.fluid_load, |o: &Outputs| o.solid_load]
-                .map(|get| course.windows(2).map(|pair| (get(&pair[1]) - get(&pair[0])).abs()).fold(0.0, f64::max))
+            [|o: &Outputs| o.load, |o: &Outputs| o.fluid_load, |o: &Outputs| o.solid_load].map(|get| {
+                let difference = |three: &[Outputs]| get(&three[2]) - 2.0 * get(&three[1]) + get(&three[0]);
+                course.windows(3).map(|three| difference(three).abs()).fold(0.0, f64::max)
+            })
         };
-        let (far, near) = (largest_changes(50), largest_changes(200));
+        let (far, near) = (second_differences(50), second_differences(200));
         println!("{formulation:?}: {far:?}, four times as close {near:?}");
         assert!(far.iter().zip(near).all(|(far, near)| near < 0.4 * far), "{formulation:?}: {far:?} {near:?}");
     }
