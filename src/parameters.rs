@@ -152,7 +152,7 @@ impl Default for Parameters {
             biot_coefficient: 0.9,
             solid_volume_fraction: 0.2,
             permeability_exponent: 2.0,
-            // With the other two the slope at small strain of Holmes and Mow's own fit, M = 4.638 and L = 0.0848: 4.7.
+            // With the other two the slope at small strain of the fit quoted from Holmes and Mow, M = 4.638 and L = 0.0848: 4.7.
             permeability_strain_coefficient: 2.2,
         };
         Self {

@@ -112,25 +112,29 @@ fn the_depth_of_a_load_carries_that_load() {
     }
 }
 
+/// At rest and in motion, steady and from a light touch in time.
 #[test]
 fn thirty_per_cent_of_compression_under_load() {
-    let wide = Parameters { sector_half_angle: 0.15, ..coarse(Formulation::Consistent, Control::Depth) };
-    let mut simulation = Simulation::new(&wide).unwrap();
-    simulation.solve_steady(depth(600.0, 0.0)).unwrap();
-    let given = simulation.outputs().load;
-    let mut simulation = Simulation::new(&Parameters { control: Control::Load, ..wide }).unwrap();
-    simulation.solve_steady(load(given, 0.0)).unwrap();
-    assert_relative_eq!(simulation.outputs().penetration_depth, 600.0 * MICRON, max_relative = 1e-5);
-    // From a light touch in time: before the tissue drains it gives way less.
-    simulation.solve_steady(load(10.0, 0.0)).unwrap();
-    simulation.advance(between(load(10.0, 0.0), load(given, 0.0), 0.2), 0.2).unwrap();
-    let at_once = simulation.outputs().penetration_depth;
-    assert!(at_once > 100.0 * MICRON && at_once < 590.0 * MICRON, "{at_once}");
-    assert!(simulation.outputs().fluid_load_support > 0.2);
-    for _ in 0..6 {
-        simulation.advance(Drive::constant(load(given, 0.0)), 1e3).unwrap();
+    for speed in [0.0, 0.2] {
+        let wide = Parameters { sector_half_angle: 0.15, ..coarse(Formulation::Consistent, Control::Depth) };
+        let mut simulation = Simulation::new(&wide).unwrap();
+        simulation.solve_steady(depth(600.0, speed)).unwrap();
+        let given = simulation.outputs().load;
+        let mut simulation = Simulation::new(&Parameters { control: Control::Load, ..wide }).unwrap();
+        simulation.solve_steady(load(given, speed)).unwrap();
+        assert_relative_eq!(simulation.outputs().penetration_depth, 600.0 * MICRON, max_relative = 1e-5);
+        // In time, before the tissue drains it gives way less.
+        simulation.solve_steady(load(10.0, speed)).unwrap();
+        assert_eq!(simulation.outputs().solid_load == 0.0, speed > 0.0);
+        simulation.advance(between(load(10.0, speed), load(given, speed), 0.2), 0.2).unwrap();
+        let at_once = simulation.outputs().penetration_depth;
+        assert!(at_once > 100.0 * MICRON && at_once < 590.0 * MICRON, "{at_once}");
+        assert!(simulation.outputs().fluid_load_support > 0.2);
+        for _ in 0..6 {
+            simulation.advance(Drive::constant(load(given, speed)), 1e3).unwrap();
+        }
+        assert_relative_eq!(simulation.outputs().penetration_depth, 600.0 * MICRON, max_relative = 1e-4);
     }
-    assert_relative_eq!(simulation.outputs().penetration_depth, 600.0 * MICRON, max_relative = 1e-4);
 }
 
 #[test]
@@ -233,6 +237,79 @@ fn a_torn_film_heals() {
         assert_eq!(late.cavitated_length, simulation.outputs().cavitated_length);
         assert!(late.cavitated_length > 1e-4);
     }
+}
+
+/// Pressed into contact, torn apart with suction and closed again, sliding to and fro. The second differences of the loads at
+/// communication points four times as close are a sixteenth where the course is smooth and a fourth at a corner; a jump, of 1 % of
+/// the largest load already, would leave them what they are.
+#[test]
+fn loads_do_not_jump_where_the_film_closes_opens_or_turns() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        let parameters = Parameters {
+            mesh: Mesh { columns: 20, rows: 2, column_grading: 2.5, row_grading: 2.0 },
+            ..coarse(formulation, Control::Depth)
+        };
+        let second_differences = |steps: i32| {
+            let at = |k: i32| {
+                let angle = 2.0 * std::f64::consts::PI * f64::from(k) / f64::from(steps);
+                depth(10.0 + 25.0 * angle.sin(), 0.2 * (1.5 * angle).cos())
+            };
+            let mut simulation = Simulation::new(&parameters).unwrap();
+            simulation.solve_steady(at(0)).unwrap();
+            let mut course = vec![simulation.outputs().clone()];
+            for k in 0..steps {
+                let duration = 0.2 / f64::from(steps);
+                simulation.advance(between(at(k), at(k + 1), duration), duration).unwrap();
+                course.push(simulation.outputs().clone());
+            }
+            assert!(course.iter().any(|o| o.solid_load > 10.0) && course.iter().any(|o| o.load < -1.0));
+            [|o: &Outputs| o.load, |o: &Outputs| o.fluid_load, |o: &Outputs| o.solid_load].map(|get| {
+                let difference = |three: &[Outputs]| get(&three[2]) - 2.0 * get(&three[1]) + get(&three[0]);
+                course.windows(3).map(|three| difference(three).abs()).fold(0.0, f64::max)
+            })
+        };
+        let (far, near) = (second_differences(50), second_differences(200));
+        println!("{formulation:?}: {far:?}, four times as close {near:?}");
+        assert!(far.iter().zip(near).all(|(far, near)| near < 0.4 * far), "{formulation:?}: {far:?} {near:?}");
+    }
+}
+
+/// Pressed together and pulled apart without sliding, from where nothing is stored: the work put in is never given back in full, and
+/// what is lost on a slow way is in proportion to its speed. A film that closed or opened with a jump would lose, or give, the
+/// same at every speed.
+#[test]
+fn closing_and_opening_lose_work_and_less_the_slower() {
+    let parameters = Parameters {
+        mesh: Mesh { columns: 16, rows: 2, column_grading: 2.5, row_grading: 2.0 },
+        ..coarse(Formulation::Consistent, Control::Depth)
+    };
+    let lost = |duration: f64| {
+        let steps = 60;
+        let at = |k: i32| {
+            let angle = 2.0 * std::f64::consts::PI * f64::from(k) / f64::from(steps);
+            depth(7.5 - 17.5 * angle.cos(), 0.0)
+        };
+        let mut simulation = Simulation::new(&parameters).unwrap();
+        simulation.solve_steady(at(0)).unwrap();
+        let (mut work, mut most, mut touched) = (0.0, 0.0_f64, false);
+        for k in 0..steps {
+            let before = simulation.outputs().load;
+            let step = duration / f64::from(steps);
+            simulation.advance(between(at(k), at(k + 1), step), step).unwrap();
+            let approach = at(k + 1).penetration_depth - at(k).penetration_depth;
+            work += 0.5 * (before + simulation.outputs().load) * approach;
+            most = most.max(work);
+            touched |= simulation.outputs().solid_load > 1.0;
+            assert!(work > -1e-6 * most, "after step {k} of {duration} s: {work} J/m of {most} given back");
+        }
+        assert!(touched && simulation.outputs().solid_load == 0.0);
+        work / most
+    };
+    let shares = [0.1, 20.0, 40.0, 80.0].map(lost);
+    println!("lost: {shares:?}");
+    assert!(shares[0] > 0.2 && shares[0] < 1.0);
+    assert_relative_eq!(shares[1] / shares[2], 2.0, max_relative = 0.1);
+    assert_relative_eq!(shares[2] / shares[3], 2.0, max_relative = 0.05);
 }
 
 fn course(simulation: &mut Simulation, from: i32, to: i32) -> Vec<Outputs> {

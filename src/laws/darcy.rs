@@ -87,7 +87,7 @@ mod tests {
         }
     }
 
-    /// The default of the parameters, Holmes and Mow's fit, and no dependence at all.
+    /// The default of the parameters, the fit quoted from Holmes and Mow, and no dependence at all.
     const LAWS: [HolmesMow; 3] = [
         HolmesMow { solid_volume_fraction: 0.2, exponent: 2.0, strain_coefficient: 2.2 },
         HolmesMow { solid_volume_fraction: 0.2, exponent: 0.0848, strain_coefficient: 4.638 },

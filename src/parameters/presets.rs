@@ -83,7 +83,7 @@ pub static PRESETS: [PresetRow; 6] = [
         name: "human_femoral_condyle",
         description: "Human distal femur, lateral condyle",
         source: "Athanasiou et al., Journal of Orthopaedic Research 9 (3), 330-340, 1991",
-        uncertainty: "means of a group; sites differ",
+        uncertainty: "means of a group; sites differ; values as later papers quote them, not yet compared with the article",
         tissue: Some(Tissue {
             aggregate_modulus: 0.70e6,
             poisson_ratio: 0.10,
@@ -128,8 +128,9 @@ pub static PRESETS: [PresetRow; 6] = [
         name: "osteoarthritic",
         description: "Cartilage after digestion with collagenase, as a stand-in for osteoarthritis",
         source: "Bioengineering 11 (6), 541, 2024",
-        uncertainty: "middles of ranges: aggregate modulus 0.06 to 0.13 MPa, hydraulic permeability 4.7e-14 to 8.3e-14 m^4/(N s); \
-                      Poisson's ratio 0.1 and thickness 2 mm are assumed; digestion is not the disease",
+        uncertainty: "middles of ranges that are not yet compared with the article: aggregate modulus 0.06 to 0.13 MPa, hydraulic \
+                      permeability 4.7e-14 to 8.3e-14 m^4/(N s); Poisson's ratio 0.1 and thickness 2 mm are assumed; digestion is \
+                      not the disease",
         tissue: Some(Tissue {
             aggregate_modulus: 0.095e6,
             poisson_ratio: 0.1,

@@ -2,6 +2,7 @@
 #![allow(unsafe_code, clippy::unwrap_used)]
 
 mod importer;
+mod long_run;
 mod phases;
 mod steps;
 mod values;

@@ -15,16 +15,17 @@ pub struct Cycle {
     pub speed: Vec<f64>,
 }
 
-/// Seconds of a walking cycle at 4 km/h, and its largest hip contact force in body weights: Bergmann et al., Journal of
-/// Biomechanics 34 (7), 859-871, 2001.
+/// Seconds of a walking cycle, a round number: at 4 km/h a stride of 1.2 m.
 const PERIOD: f64 = 1.1;
+/// Largest hip contact force in body weights, walking at about 4 km/h: Bergmann et al., Journal of Biomechanics 34 (7), 859-871,
+/// 2001.
 pub const PEAK: f64 = 2.38;
 
 /// Hip contact force: share of the cycle from heel strike, body weights. The first peak is the published one; the valley, the
 /// second peak and the low load of the swinging leg are round numbers in its proportions.
 const LOAD: [(f64, f64); 5] = [(0.15, PEAK), (0.31, 1.5), (0.48, 2.1), (0.70, 0.25), (0.95, 0.25)];
-/// Hip flexion: share of the cycle, degrees. Extended by 10 degrees late in stance, flexed by 30 late in swing: Perry and
-/// Burnfield, Gait Analysis, 2010.
+/// Hip flexion: share of the cycle, degrees. Extended by 10 degrees late in stance, flexed by 30 late in swing: usual textbook
+/// values, such as in Perry and Burnfield, Gait Analysis, 2010.
 const FLEXION: [(f64, f64); 2] = [(0.52, -10.0), (0.95, 30.0)];
 
 /// A periodic curve that goes from extreme to extreme in half cosine waves: its value, and its rate per cycle.
