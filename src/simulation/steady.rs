@@ -15,7 +15,7 @@ pub(super) struct Steady {
 }
 
 /// A tangent is kept for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
-pub(super) const PATIENCE: f64 = 6.0;
+pub(super) const PATIENCE: f64 = 4.0;
 /// Most Newton iterations with a new tangent from a state nearby.
 const WARM_ITERATIONS: usize = 12;
 /// Likewise from rest, which takes ten to fifteen.
