@@ -54,13 +54,14 @@ def main():
             for power, style in [(1, ":"), (1.5, "--")]:
                 line = [start * (n / unknowns[0]) ** power for n in unknowns]
                 axis.loglog(unknowns, line, style, color="grey", linewidth=1, label=f"unknowns to the {power}")
-            axis.grid(alpha=0.3, which="both")
+            axis.grid(alpha=0.3)
+            axis.set_xlim(500, 2e5)
         above.set_title(title, fontsize=10)
         below.set_xlabel("unknowns")
     panels[0, 0].set_ylabel("time [ms]")
     panels[1, 0].set_ylabel("memory [MB]")
     for axis in panels[:, 0]:
-        axis.legend(frameon=False, fontsize=8)
+        axis.legend(frameon=False, fontsize=8, loc="upper left")
     figure.savefig(arguments.picture, dpi=120)
 
 

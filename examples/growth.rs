@@ -47,9 +47,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let unknowns = system.rest(inputs.penetration_depth);
         let mut active = vec![false; system.stations.len()];
         let mut residual = Residual::default();
-        let of_residual = least(seconds, || {
-            system.residual(&unknowns, &mut active, &inputs, None, &mut residual).map(|_| ())
-        })?;
+        let of_residual =
+            least(seconds, || system.residual(&unknowns, &mut active, &inputs, None, &mut residual).map(|_| ()))?;
         let of_tangent = least(seconds, || system.factorise(&unknowns, &active, &inputs, None))?;
         let mut solution = residual.values.clone();
         let of_solution = least(seconds, || {

@@ -1,5 +1,5 @@
 //! Solves a row of penetration depths, one after the other, and says what a Newton iteration costs: everything that a
-//! simulation does between two inputs, derivatives included, divided by the iterations it took.
+//! simulation does between two inputs, the outputs included, divided by the iterations it took.
 //!
 //! `cargo run --release --example sweep -- --mesh 100x8 --from -10 --to 100`
 

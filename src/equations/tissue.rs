@@ -167,7 +167,12 @@ impl Tissue {
         volume_rate: &VolumeRate,
         terms: ElementTerms<'_>,
     ) -> Result<(), Inverted> {
-        pulp::Arch::new().dispatch(Element { tissue: self, mesh, element, at, speed, volume_rate, terms })
+        let asked = Element { tissue: self, mesh, element, at, speed, volume_rate, terms };
+        match asked.terms.tangent {
+            // Most of its work is in products, which have their own; and valgrind does not know all that would come of this.
+            Some(_) => self.add_element(asked),
+            None => pulp::Arch::new().dispatch(asked),
+        }
     }
 
     #[inline(always)]

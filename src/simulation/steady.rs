@@ -243,7 +243,8 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
         let approach = inputs.penetration_depth - state.inputs.penetration_depth;
         bodies.system(mirrored).compress(&mut guess.unknowns, approach);
         let rates = Some(&rates);
-        let task = Task { inputs: &inputs, rates, control: Control::Depth, settings, kept: None, foreseen: f64::INFINITY };
+        let task =
+            Task { inputs: &inputs, rates, control: Control::Depth, settings, kept: None, foreseen: f64::INFINITY };
         let (result, iterations) = bodies.settle(guess, &task);
         spent += iterations;
         match result {
