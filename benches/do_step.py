@@ -160,7 +160,8 @@ def main():
 
     if arguments.instances:
         points, length = stream(0.0)(arguments.steps)
-        for mesh, parameters in meshes.items():
+        # The small ones first: what they give back would serve the large ones.
+        for mesh, parameters in reversed(meshes.items()):
             before = resident()
             contacts = [Contact(folder, description, parameters, points[0]) for _ in range(arguments.instances)]
             memory = (resident() - before) / arguments.instances
