@@ -115,8 +115,10 @@ fn do_step(criterion: &mut Criterion) {
             let mut step = 0;
             bencher.iter(|| {
                 let time = 1e-3 * f64::from(step);
-                let value = 5e-6 * (std::f64::consts::TAU * time).sin();
-                assert_eq!(fmi2SetReal(contact, &depth, 1, &value), 0);
+                let at = |time: f64| 5e-6 * (std::f64::consts::TAU * time).sin();
+                let rate = (at(time + 1e-3) - at(time)) / 1e-3;
+                assert_eq!(fmi2SetReal(contact, &depth, 1, &at(time)), 0);
+                assert_eq!(fmi2SetRealInputDerivatives(contact, &depth, 1, &1, &rate), 0);
                 assert_eq!(fmi2DoStep(contact, time, 1e-3, 0), 0);
                 step += 1;
             });
