@@ -6,9 +6,10 @@
 
 PYTHON is an interpreter that has NGSolve and MKL, PEER the NGSolve program. Both solve one mirror-symmetric body without
 boundary friction on the tissue, on the same graded mesh and at the same depths, a micron apart. Each stops by its own rule, this
-project where the next update would be below a millionth, the peer where the last was below 1 Pa and 0.1 nm; the seconds of an
-iteration do not depend on it. Runs alternate, so that a busy machine is busy for both. Of the peer only its Newton iterations
-are counted; of this project everything between two inputs, the tangent for the next one and the outputs included.
+project where the next update would be below a millionth, the peer where the last was below 1 Pa and 0.1 nm. What to look at is
+the time of a point: this project keeps a factorisation over iterations and points, so that it takes more iterations, most of
+which cost little; the peer factorises in each. Runs alternate, so that a busy machine is busy for both. Of the peer only its
+Newton iterations are counted; of this project everything between two inputs, the outputs included.
 """
 import argparse
 import json
@@ -59,10 +60,11 @@ def main():
         runs = [ours(*case), theirs(arguments.python, arguments.peer, *case)]
         for k, (name, (_, seconds, iterations)) in enumerate(zip(["this project", "NGSolve"], runs)):
             print(f"  {name:13} {seconds:8.3f} s, {iterations:4} iterations, {seconds / iterations:.5f} s each", flush=True)
-            best[k] = min(best[k], seconds / iterations)
+            best[k] = min(best[k], seconds)
         difference = max(abs(a / b - 1) for a, b in zip(runs[0][0], runs[1][0]))
         print(f"  loads differ by {difference:.1e} at most; times a point by a factor of {runs[1][1] / runs[0][1]:.2f}")
-    print(f"fastest iterations: {best[0]:.5f} s and {best[1]:.5f} s, ratio {best[1] / best[0]:.2f}")
+    points = arguments.last - arguments.first + 1
+    print(f"fastest points: {best[0] / points:.5f} s and {best[1] / points:.5f} s, ratio {best[1] / best[0]:.2f}")
 
 
 if __name__ == "__main__":

@@ -1,14 +1,18 @@
 //! What the parts of a solution cost, on the default mesh with one mirrored body: `cargo bench`.
 
-#![allow(missing_docs, clippy::unwrap_used)]
+#![allow(missing_docs, unsafe_code, clippy::unwrap_used)]
 
 use std::hint::black_box;
+use std::ptr::{null, null_mut};
 
 use cartilage_contact::equations::system::{Residual, System};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
+use cartilage_contact::fmi::description::fmi2;
+use cartilage_contact::fmi::fmi2::*;
 use cartilage_contact::parameters::{Inputs, Mesh, Parameters};
 use cartilage_contact::reduced::{Range, ReducedModel, Tolerance};
 use cartilage_contact::simulation::Simulation;
+use cartilage_contact::variables::VARIABLES;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 fn parameters() -> Parameters {
@@ -88,6 +92,41 @@ fn points(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Steps of a millisecond through the C interface; the depth goes up and down by 5 microns once a second.
+fn do_step(criterion: &mut Criterion) {
+    let reference = |name: &str| VARIABLES.iter().position(|variable| variable.name == name).unwrap() as u32;
+    let token = std::ffi::CString::new(fmi2::token()).unwrap();
+    let callbacks = fmi2CallbackFunctions {
+        logger: None,
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: null_mut(),
+    };
+    let depth = reference("penetration_depth");
+    for (name, time_integration) in [("quasi-steady", 1), ("transient", 2)] {
+        criterion.bench_function(&format!("fmi2DoStep, 1 kHz, {name}"), |bencher| unsafe {
+            let contact = fmi2Instantiate(c"contact".as_ptr(), 1, token.as_ptr(), null(), &callbacks, 0, 0);
+            assert_eq!(fmi2SetInteger(contact, &reference("time_integration"), 1, &time_integration), 0);
+            assert_eq!(fmi2SetupExperiment(contact, 0, 0.0, 0.0, 0, 0.0), 0);
+            assert_eq!(fmi2EnterInitializationMode(contact), 0);
+            assert_eq!(fmi2SetReal(contact, &depth, 1, &0.0), 0);
+            assert_eq!(fmi2ExitInitializationMode(contact), 0);
+            let mut step = 0;
+            bencher.iter(|| {
+                let time = 1e-3 * f64::from(step);
+                let at = |time: f64| 5e-6 * (std::f64::consts::TAU * time).sin();
+                let rate = (at(time + 1e-3) - at(time)) / 1e-3;
+                assert_eq!(fmi2SetReal(contact, &depth, 1, &at(time)), 0);
+                assert_eq!(fmi2SetRealInputDerivatives(contact, &depth, 1, &1, &rate), 0);
+                assert_eq!(fmi2DoStep(contact, time, 1e-3, 0), 0);
+                step += 1;
+            });
+            fmi2FreeInstance(contact);
+        });
+    }
+}
+
 fn reduced(criterion: &mut Criterion) {
     // What a state costs does not depend on the mesh that the table was made on.
     let mesh = Mesh { columns: 40, rows: 2, ..Parameters::default().mesh };
@@ -101,5 +140,5 @@ fn reduced(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, element, system, points, reduced);
+criterion_group!(benches, element, system, points, do_step, reduced);
 criterion_main!(benches);

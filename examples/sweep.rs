@@ -1,5 +1,5 @@
 //! Solves a row of penetration depths, one after the other, and says what a Newton iteration costs: everything that a
-//! simulation does between two inputs, derivatives included, divided by the iterations it took.
+//! simulation does between two inputs, the outputs included, divided by the iterations it took.
 //!
 //! `cargo run --release --example sweep -- --mesh 100x8 --from -10 --to 100`
 
@@ -18,11 +18,14 @@ struct Arguments {
     #[arg(long, default_value = "2.5,2.0")]
     grading: String,
     /// First depth [micron]
-    #[arg(long, default_value_t = -10, allow_negative_numbers = true)]
-    from: i32,
-    /// Last depth [micron], by steps of one micron
-    #[arg(long, default_value_t = 100, allow_negative_numbers = true)]
-    to: i32,
+    #[arg(long, default_value_t = -10.0, allow_negative_numbers = true)]
+    from: f64,
+    /// Last depth [micron]
+    #[arg(long, default_value_t = 100.0, allow_negative_numbers = true)]
+    to: f64,
+    /// From one depth to the next [micron]
+    #[arg(long, default_value_t = 1.0)]
+    step: f64,
     /// Threads to work on
     #[arg(long, default_value_t = 1)]
     threads: usize,
@@ -51,9 +54,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("# {} unknowns, made in {:.4} s", simulation.unknowns(), start.elapsed().as_secs_f64());
     println!("# {:>6} {:>18} {:>14} {:>10} {:>9}", "d [um]", "L [N/m]", "L_s [N/m]", "iterations", "seconds");
     let (mut iterations, start) = (0, Instant::now());
-    for micron in arguments.from..=arguments.to {
+    for index in 0..=((arguments.to - arguments.from) / arguments.step).round() as usize {
+        let micron = arguments.from + index as f64 * arguments.step;
         let point = Instant::now();
-        simulation.solve_steady(Inputs { penetration_depth: f64::from(micron) * 1e-6, ..Inputs::default() })?;
+        simulation.solve_steady(Inputs { penetration_depth: micron * 1e-6, ..Inputs::default() })?;
         let outputs = simulation.outputs();
         let seconds = point.elapsed().as_secs_f64();
         let (load, solid) = (outputs.load, outputs.solid_load);

@@ -347,6 +347,45 @@ fn a_state_goes_on_with_the_same_bits() {
     assert_eq!(course(&mut fresh, 4, 8), on);
 }
 
+/// Tangents are kept from step to step. What was asked for in between, saving and restoring, and the number of threads change nothing.
+#[test]
+fn a_quasi_steady_stream_has_the_same_bits_whatever_is_asked_of_it() {
+    let quasi_steady = Parameters {
+        time_integration: TimeIntegration::QuasiSteady,
+        tolerance: 1e-10,
+        ..coarse(Formulation::Paper, Control::Depth)
+    };
+    let at = |k: i32| depth(8.0 + 4.0 * (0.1 * f64::from(k)).sin(), 0.2);
+    let stream = |simulation: &mut Simulation, from: i32, to: i32, ask: bool| -> Vec<Outputs> {
+        let step = |k: i32| {
+            simulation.advance(between(at(k), at(k + 1), 1e-3), 1e-3).unwrap();
+            if ask {
+                simulation.derivatives(Input::SlidingSpeed).unwrap();
+                simulation.restore(&simulation.snapshot()).unwrap();
+            }
+            simulation.outputs().clone()
+        };
+        (from..to).map(step).collect()
+    };
+    let mut simulation = Simulation::new(&quasi_steady).unwrap();
+    let plain = stream(&mut simulation, 0, 24, false);
+    let mut asked = Simulation::new(&quasi_steady).unwrap();
+    asked.set_threads(2);
+    assert_eq!(stream(&mut asked, 0, 12, true), plain[..12]);
+    let mut fresh = Simulation::new(&quasi_steady).unwrap();
+    fresh.restore(&asked.snapshot()).unwrap();
+    assert_eq!(stream(&mut fresh, 12, 24, false), plain[12..]);
+    // And they are the states that are found from rest, to the tolerance.
+    for k in [5, 17, 23] {
+        let mut alone = Simulation::new(&quasi_steady).unwrap();
+        alone.solve_steady(at(k + 1)).unwrap();
+        for ((name, value), (_, kept)) in numbers(alone.outputs()).into_iter().zip(numbers(&plain[k as usize])) {
+            let error = (value - kept).abs() / size(name, alone.outputs());
+            assert!(error < 1e-6, "{name} at {k}: {value}, {kept}");
+        }
+    }
+}
+
 fn numbers(o: &Outputs) -> Vec<(&'static str, f64)> {
     vec![
         ("load", o.load),

@@ -11,6 +11,7 @@
 //! that no second derivatives of the displacement appear (its density-gradient part, of order chi p = 1e-5, is dropped).
 
 use nalgebra::{Matrix2, Vector2};
+use pulp::{Simd, WithSimd};
 
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
@@ -124,6 +125,27 @@ pub struct ElementTerms<'a> {
     pub tangent: Option<&'a mut [f64; LOCAL * LOCAL]>,
 }
 
+/// An element with all that its terms depend on.
+struct Element<'a, 'b> {
+    tissue: &'a Tissue,
+    mesh: &'a LayerMesh,
+    element: usize,
+    at: &'a Local,
+    speed: f64,
+    volume_rate: &'a VolumeRate,
+    terms: ElementTerms<'b>,
+}
+
+/// Compiled once for each kind of processor.
+impl WithSimd for Element<'_, '_> {
+    type Output = Result<(), Inverted>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.tissue.add_element(self)
+    }
+}
+
 impl Tissue {
     /// Hydraulic permeability of the strained tissue [m^4/(N s)], and its derivative by the volume ratio.
     pub fn mobility_at(&self, strain: &Strain) -> (f64, f64) {
@@ -143,11 +165,22 @@ impl Tissue {
         at: &Local,
         speed: f64,
         volume_rate: &VolumeRate,
-        mut terms: ElementTerms<'_>,
+        terms: ElementTerms<'_>,
     ) -> Result<(), Inverted> {
+        let asked = Element { tissue: self, mesh, element, at, speed, volume_rate, terms };
+        match asked.terms.tangent {
+            // Most of its work is in products, which have their own; and valgrind does not know all that would come of this.
+            Some(_) => self.add_element(asked),
+            None => pulp::Arch::new().dispatch(asked),
+        }
+    }
+
+    #[inline(always)]
+    fn add_element(&self, asked: Element<'_, '_>) -> Result<(), Inverted> {
+        let Element { mesh, element, at, speed, volume_rate, mut terms, .. } = asked;
         let alpha = self.biot_coefficient;
-        let (ux, rest) = at.split_at(NODES);
-        let (uy, pressures) = rest.split_at(NODES);
+        let fields: [Fields; NODES] = std::array::from_fn(|a| [at[a], at[NODES + a], at[2 * NODES + a], 0.0]);
+        let mut residuals = [[0.0; 4]; NODES];
         // Made in place, and only where it is needed: it is large.
         let mut room;
         let mut factors = match terms.tangent {
@@ -161,9 +194,14 @@ impl Tissue {
             let [gx, gy] = &point.gradients;
             let [px, py] = mesh.pressure_gradients(element, q);
             let (shape, pressure_shape) = (&mesh.shape[q], &mesh.pressure_shape[q]);
-            let strain = Strain::new(Matrix2::new(dot(gx, ux), dot(gy, ux), dot(gx, uy), dot(gy, uy)));
-            let pressure = dot(pressure_shape, pressures);
-            let pressure_gradient = Vector2::new(dot(px, pressures), dot(py, pressures));
+            let [by_x, by_y] = [gx, gy].map(|gradient| sum(gradient, &fields));
+            let strain = Strain::new(Matrix2::new(by_x[0], by_y[0], by_x[1], by_y[1]));
+            let pressure = sum(pressure_shape, &fields)[2];
+            let pressure_gradient = if mesh.pressure_order == 2 {
+                Vector2::new(by_x[2], by_y[2])
+            } else {
+                Vector2::new(sum(px, &fields)[2], sum(py, &fields)[2])
+            };
             if strain.volume_ratio() <= 0.0 || !strain.volume_change.is_finite() {
                 return Err(Inverted);
             }
@@ -177,19 +215,30 @@ impl Tissue {
             let volume_change_rate = volume_rate.rate * strain.volume_ratio() + volume_rate.history[q];
             let weight = point.weight;
 
-            if let Some(residual) = &mut terms.residual {
+            if terms.residual.is_some() {
                 let mut stress = self.solid.stress(&strain);
                 let mut force = pressure_gradient * alpha;
                 if self.consistent {
                     stress -= strain.cofactor * (alpha * pressure);
                     force = Vector2::zeros();
                 }
-                let storage = alpha * volume_change_rate;
-                for a in 0..NODES {
-                    residual[a] += weight * (stress.m11 * gx[a] + stress.m12 * gy[a] + force.x * shape[a]);
-                    residual[NODES + a] += weight * (stress.m21 * gx[a] + stress.m22 * gy[a] + force.y * shape[a]);
-                    residual[2 * NODES + a] +=
-                        weight * density * (flow.x * px[a] + flow.y * py[a] + storage * pressure_shape[a]);
+                let fluid = density * alpha * volume_change_rate;
+                let flow = flow * density;
+                let weighted = |values: [f64; 3]| [weight * values[0], weight * values[1], weight * values[2], 0.0];
+                if mesh.pressure_order == 2 {
+                    add_outer(&mut residuals, gx, &weighted([stress.m11, stress.m21, flow.x]));
+                    add_outer(&mut residuals, gy, &weighted([stress.m12, stress.m22, flow.y]));
+                } else {
+                    add_outer(&mut residuals, gx, &weighted([stress.m11, stress.m21, 0.0]));
+                    add_outer(&mut residuals, gy, &weighted([stress.m12, stress.m22, 0.0]));
+                    add_outer(&mut residuals, px, &weighted([0.0, 0.0, flow.x]));
+                    add_outer(&mut residuals, py, &weighted([0.0, 0.0, flow.y]));
+                }
+                if !self.consistent {
+                    add_outer(&mut residuals, shape, &weighted([force.x, force.y, 0.0]));
+                }
+                if fluid != 0.0 {
+                    add_outer(&mut residuals, pressure_shape, &weighted([0.0, 0.0, fluid]));
                 }
             }
             if let Some(by_speed) = &mut terms.by_speed {
@@ -244,6 +293,11 @@ impl Tissue {
                     factors.fluid[2][2 * q + i] = combined(1.0, &by_gradient, fluid * chi * flow[i], &value);
                 }
                 factors.fluid[2][2 * POINTS + q] = value.map(|v| fluid * alpha * volume_change_rate * chi * v);
+            }
+        }
+        if let Some(residual) = terms.residual {
+            for (a, values) in residuals.into_iter().enumerate() {
+                (0..3).for_each(|field| residual[field * NODES + a] += values[field]);
             }
         }
         if let (Some(tangent), Some(factors)) = (terms.tangent, factors) {
@@ -303,6 +357,27 @@ pub fn surface_pressure(mesh: &LayerMesh, element: usize, side: f64, at: &Local,
                 }
             }
         }
+    }
+}
+
+/// Both displacements and the pressure at a node, or what belongs to them, and nothing: as many as fit in a vector.
+type Fields = [f64; 4];
+
+/// Sum over the nodes of a function's values times the fields.
+#[inline(always)]
+fn sum(function: &[f64; NODES], fields: &[Fields; NODES]) -> Fields {
+    let mut sum = [0.0; 4];
+    for (value, fields) in function.iter().zip(fields) {
+        sum.iter_mut().zip(fields).for_each(|(sum, field)| *sum += value * field);
+    }
+    sum
+}
+
+/// Adds a function's value at every node times the fields.
+#[inline(always)]
+fn add_outer(sums: &mut [Fields; NODES], function: &[f64; NODES], fields: &Fields) {
+    for (sum, value) in sums.iter_mut().zip(function) {
+        sum.iter_mut().zip(fields).for_each(|(sum, field)| *sum += value * field);
     }
 }
 

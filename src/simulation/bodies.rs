@@ -33,12 +33,66 @@ impl Point {
     }
 }
 
+/// Where a tangent was formed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Place {
+    pub point: Point,
+    pub rates: Option<Rates>,
+}
+
+/// How a solution changes with one input, and its load [N/m].
+#[derive(Debug)]
+pub(super) struct Slope {
+    pub unknowns: Vec<f64>,
+    pub load: f64,
+}
+
+/// The tangent that was factorised last, and the changes with depth, speed and slide-to-roll ratio that were asked of it.
+#[derive(Debug, Default)]
+struct Tangent {
+    place: Option<Place>,
+    slopes: [Option<Slope>; 3],
+}
+
+impl Tangent {
+    /// Factorises the tangent at a point, unless it is that already.
+    fn form(&mut self, system: &mut System, place: &Place) -> Result<(), Singular> {
+        if self.place.as_ref() == Some(place) {
+            return Ok(());
+        }
+        *self = Self::default();
+        let Place { point, rates } = place;
+        system.factorise(&point.unknowns, &point.active, &point.inputs, rates.as_ref())?;
+        self.place = Some(place.clone());
+        Ok(())
+    }
+
+    /// The change with one of depth, speed and slide-to-roll ratio.
+    fn slope(&mut self, system: &System, input: usize) -> Result<&Slope, Singular> {
+        let Some(Place { point, rates }) = &self.place else { return Err(Singular) };
+        match &mut self.slopes[input] {
+            Some(slope) => Ok(slope),
+            slot => {
+                let cause = vec![(Direction::UNIT[input], None)];
+                let Change { unknowns, contact_forces, .. } =
+                    system.respond(point.at(rates.as_ref()), cause)?.pop().ok_or(Singular)?;
+                let load = system.load(&unknowns, &contact_forces);
+                Ok(slot.insert(Slope { unknowns, load }))
+            }
+        }
+    }
+}
+
 /// What Newton's method is asked for.
 pub(super) struct Task<'a> {
     pub inputs: &'a Inputs,
     pub rates: Option<&'a Rates>,
     pub control: Control,
     pub settings: newton::Settings,
+    /// Where the tangent was formed that may serve once more.
+    pub kept: Option<&'a Place>,
+    /// Size of the step that was foreseen with it, relative to the fields; infinite where none was.
+    pub foreseen: f64,
 }
 
 /// The equations: those of a mirrored pair, where the two bodies are equal, and those of two bodies, made when first needed.
@@ -48,6 +102,7 @@ pub(super) struct Bodies {
     threads: usize,
     mirrored: Option<System>,
     full: Option<System>,
+    tangent: Tangent,
 }
 
 impl Bodies {
@@ -55,7 +110,7 @@ impl Bodies {
         let equal = parameters.upper == parameters.lower;
         let system = System::new(parameters, equal);
         let (mirrored, full) = if equal { (Some(system), None) } else { (None, Some(system)) };
-        Self { parameters: *parameters, threads: 1, mirrored, full }
+        Self { parameters: *parameters, threads: 1, mirrored, full, tangent: Tangent::default() }
     }
 
     pub fn set_threads(&mut self, threads: usize) {
@@ -79,12 +134,17 @@ impl Bodies {
     }
 
     pub fn system(&mut self, mirrored: bool) -> &mut System {
+        self.system_and_tangent(mirrored).0
+    }
+
+    fn system_and_tangent(&mut self, mirrored: bool) -> (&mut System, &mut Tangent) {
         let slot = if mirrored { &mut self.mirrored } else { &mut self.full };
-        slot.get_or_insert_with(|| {
+        let system = slot.get_or_insert_with(|| {
             let mut system = System::new(&self.parameters, mirrored);
             system.set_threads(self.threads);
             system
-        })
+        });
+        (system, &mut self.tangent)
     }
 
     /// The equations that a point was solved with, if they were made already.
@@ -113,16 +173,10 @@ impl Bodies {
     pub fn settle(&mut self, guess: Point, task: &Task<'_>) -> (Result<Point, String>, usize) {
         let Point { mirrored, mut unknowns, active, inputs, .. } = guess;
         let loaded = task.control == Control::Load;
-        let system = self.system(mirrored);
+        let (system, tangent) = self.system_and_tangent(mirrored);
         let depth = if loaded { inputs.penetration_depth } else { task.inputs.penetration_depth };
-        let mut balance = Balance {
-            system,
-            inputs: Inputs { penetration_depth: depth, ..*task.inputs },
-            task,
-            active,
-            residual: Residual::default(),
-            border: None,
-        };
+        let inputs = Inputs { penetration_depth: depth, ..*task.inputs };
+        let mut balance = Balance { system, tangent, inputs, task, active, residual: Residual::default() };
         if loaded {
             unknowns.push(depth);
         }
@@ -137,9 +191,22 @@ impl Bodies {
         }
     }
 
-    /// Factorises the tangent at a solution.
-    pub fn factorise(&mut self, point: &Point, rates: Option<&Rates>) -> Result<(), Singular> {
-        self.system(point.mirrored).factorise(&point.unknowns, &point.active, &point.inputs, rates)
+    /// Factorises the tangent at a place, unless that was the last one.
+    pub fn form(&mut self, place: &Place) -> Result<(), Singular> {
+        let (system, tangent) = self.system_and_tangent(place.point.mirrored);
+        tangent.form(system, place)
+    }
+
+    /// Where the last tangent was formed.
+    pub fn place(&self) -> Option<&Place> {
+        self.tangent.place.as_ref()
+    }
+
+    /// How the solution changes with one of depth, speed and slide-to-roll ratio, by the last tangent.
+    pub fn slope(&mut self, input: usize) -> Result<&Slope, Singular> {
+        let mirrored = self.place().ok_or(Singular)?.point.mirrored;
+        let (system, tangent) = self.system_and_tangent(mirrored);
+        tangent.slope(system, input)
     }
 
     /// The same solution in the unknowns of one body or of two.
@@ -181,21 +248,11 @@ impl Bodies {
 /// The system with its inputs, as Newton's method sees it. Where the load is given, the depth is the last unknown.
 struct Balance<'a> {
     system: &'a mut System,
+    tangent: &'a mut Tangent,
     inputs: Inputs,
     task: &'a Task<'a>,
     active: Vec<bool>,
     residual: Residual,
-    border: Option<Border>,
-}
-
-/// The column of the depth and the row of the load, where the tangent was formed.
-struct Border {
-    unknowns: Vec<f64>,
-    active: Vec<bool>,
-    /// Change of the solution with the depth.
-    by_depth: Change,
-    /// Rate of change of the load with the depth [N/m^2].
-    stiffness: f64,
 }
 
 /// Most change of the depth in one iteration, as a share of the layers' thickness.
@@ -217,6 +274,11 @@ impl Balance<'_> {
         } else {
             (load - given, 1.0)
         }
+    }
+
+    /// A depth counts like a displacement of a thousandth of the thickness.
+    fn depth_scale(&self, depth: f64) -> f64 {
+        depth.abs() + 1e-3 * self.system.thickness()
     }
 
     fn loaded(&self) -> bool {
@@ -242,42 +304,40 @@ impl newton::Problem for Balance<'_> {
         Ok(changed)
     }
 
+    fn kept(&mut self) -> Option<f64> {
+        let place = self.task.kept?;
+        let rate = |rates: Option<&Rates>| rates.map(|rates| rates.rate);
+        let fits = place.point.mirrored == self.system.mirrored()
+            && place.point.active == self.active
+            && rate(place.rates.as_ref()) == rate(self.task.rates);
+        (fits && self.tangent.form(self.system, place).is_ok()).then_some(self.task.foreseen)
+    }
+
     fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String> {
-        let unknowns = &unknowns[..self.system.unknowns()];
-        let rates = self.task.rates;
-        self.system.factorise(unknowns, &self.active, &self.inputs, rates).map_err(|e| e.to_string())?;
-        if self.loaded() {
-            let contact_forces = &self.residual.contact_forces;
-            let at = At { unknowns, active: &self.active, contact_forces, inputs: &self.inputs, rates };
-            let causes = vec![(Direction::UNIT[0], None)];
-            let by_depth = self.system.respond(at, causes).map_err(|e| e.to_string())?.remove(0);
-            self.border = Some(Border {
-                stiffness: self.system.load(&by_depth.unknowns, &by_depth.contact_forces),
-                unknowns: unknowns.to_vec(),
-                active: self.active.clone(),
-                by_depth,
-            });
-        }
-        Ok(())
+        let point = Point {
+            inputs: self.inputs,
+            mirrored: self.system.mirrored(),
+            unknowns: unknowns[..self.system.unknowns()].to_vec(),
+            active: self.active.clone(),
+            contact_forces: self.contact_forces(),
+        };
+        let place = Place { point, rates: self.task.rates.cloned() };
+        self.tangent.form(self.system, &place).map_err(|singular| singular.to_string())
     }
 
     fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String> {
         let n = self.system.unknowns();
         let (update, load) = right_hand_side.split_at_mut(n);
-        self.system.solve(update).map_err(|e| e.to_string())?;
-        if let (Some(border), [load]) = (&self.border, load) {
-            let at = At {
-                unknowns: &border.unknowns,
-                active: &border.active,
-                contact_forces: &self.residual.contact_forces,
-                inputs: &self.inputs,
-                rates: self.task.rates,
-            };
-            let most = LONGEST_APPROACH * self.system.thickness();
-            let approach = ((self.system.load_along(at, update) - *load) / border.stiffness).clamp(-most, most);
-            update.iter_mut().zip(&border.by_depth.unknowns).for_each(|(u, s)| *u -= s * approach);
-            *load = -approach;
-        }
+        self.system.solve(update).map_err(|singular| singular.to_string())?;
+        let [load] = load else { return Ok(()) };
+        // The column of the depth and the row of the load border the tangent.
+        let Some(Place { point, rates }) = &self.tangent.place else { return Err("there is no tangent".into()) };
+        let along = self.system.load_along(point.at(rates.as_ref()), update);
+        let by_depth = self.tangent.slope(self.system, 0).map_err(|singular| singular.to_string())?;
+        let most = LONGEST_APPROACH * self.system.thickness();
+        let approach = ((along - *load) / by_depth.load).clamp(-most, most);
+        update.iter_mut().zip(&by_depth.unknowns).for_each(|(u, s)| *u -= s * approach);
+        *load = -approach;
         Ok(())
     }
 
@@ -290,9 +350,14 @@ impl newton::Problem for Balance<'_> {
 
     fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
         let n = self.system.unknowns();
-        // A depth counts like a displacement of a thousandth of the thickness.
-        let scale = |depth: f64| depth.abs() + 1e-3 * self.system.thickness();
-        let approach = unknowns[n..].iter().zip(&update[n..]).map(|(depth, change)| (change / scale(*depth)).abs());
+        let changes = unknowns[n..].iter().zip(&update[n..]);
+        let approach = changes.map(|(depth, change)| (change / self.depth_scale(*depth)).abs());
         approach.fold(self.system.relative_size(&unknowns[..n], &update[..n]), f64::max)
+    }
+    fn weights(&self, unknowns: &[f64]) -> Vec<f64> {
+        let n = self.system.unknowns();
+        let mut weights = self.system.weights_of(&unknowns[..n]);
+        weights.extend(unknowns[n..].iter().map(|depth| 1.0 / self.depth_scale(*depth)));
+        weights
     }
 }

@@ -1,6 +1,6 @@
 //! Derivatives of a state: by the inputs of its last step, and by time.
 
-use super::bodies::{Bodies, Point};
+use super::bodies::{Bodies, Place, Point};
 use super::transient::{self, Motion};
 use super::{Input, Path, State};
 use crate::equations::system::{Change, Contents, Direction, Rates};
@@ -30,7 +30,8 @@ fn changes(
     rates: Option<&Rates>,
     causes: Vec<Cause>,
 ) -> Result<Vec<Change>, String> {
-    bodies.factorise(point, rates).map_err(|singular| singular.to_string())?;
+    let place = Place { point: point.clone(), rates: rates.cloned() };
+    bodies.form(&place).map_err(|singular| singular.to_string())?;
     let loaded = bodies.parameters.control == Control::Load;
     let system = bodies.system(point.mirrored);
     let loads: Vec<f64> = causes.iter().map(|cause| cause.load).collect();

@@ -8,10 +8,10 @@ mod transient;
 
 use serde::{Deserialize, Serialize};
 
-use self::bodies::{Bodies, Point};
+use self::bodies::{Bodies, Place, Point};
 use self::derivatives::Derivatives;
 pub use self::drive::Drive;
-use self::steady::{Steady, Tangent};
+use self::steady::Steady;
 use self::transient::Motion;
 use crate::equations::system::{Rates, System, half_width};
 use crate::error::Error;
@@ -57,7 +57,7 @@ struct State {
 /// How a state was reached, for the next one and for derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Path {
-    Steady(Option<Tangent>),
+    Steady(Option<Place>),
     Transient(Box<Motion>),
 }
 
@@ -169,14 +169,14 @@ impl Simulation {
         check(&inputs)?;
         let from = self.state.as_ref().map(|state| Steady {
             point: state.point.clone(),
-            tangent: match &state.path {
-                Path::Steady(tangent) => tangent.clone(),
+            kept: match &state.path {
+                Path::Steady(kept) => kept.clone(),
                 Path::Transient(_) => None,
             },
         });
         let mut iterations = 0;
-        let Steady { point, tangent } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
-        self.accept(State { point, iterations: iterations as i32, drive, duration, path: Path::Steady(tangent) });
+        let Steady { point, kept } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
+        self.accept(State { point, iterations: iterations as i32, drive, duration, path: Path::Steady(kept) });
         Ok(())
     }
 
@@ -299,9 +299,14 @@ impl State {
                 && point.active.len() == stations
                 && point.contact_forces.len() == stations
         };
+        let kept = match &self.path {
+            Path::Steady(kept) => kept,
+            Path::Transient(motion) => &motion.kept,
+        };
         fits(&self.point)
+            && kept.as_ref().is_none_or(|place| fits(&place.point))
             && match &self.path {
-                Path::Steady(tangent) => tangent.as_ref().is_none_or(|tangent| tangent.fits(unknowns)),
+                Path::Steady(_) => true,
                 Path::Transient(motion) => motion.fits(unknowns, (stations - 1) / 2) && fits(&motion.last.start),
             }
     }

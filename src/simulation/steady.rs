@@ -1,37 +1,24 @@
 //! The way to a steady state: steps of the inputs, and where they fail, motion in time that comes to rest.
 
-use serde::{Deserialize, Serialize};
-
-use super::bodies::{Bodies, LONGEST_APPROACH, Point, Task};
-use crate::equations::system::{Direction, Rates};
+use super::bodies::{Bodies, LONGEST_APPROACH, Place, Point, Task};
+use crate::equations::system::Rates;
 use crate::error::Error;
 use crate::parameters::{Control, Inputs};
+use crate::solver::linear::Singular;
 use crate::solver::{continuation, newton};
 
-/// A steady state, with its tangent for the next step.
+/// A steady state, and where the tangent was formed that led to it: near enough to predict states nearby and to solve for them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Steady {
     pub point: Point,
-    pub tangent: Option<Tangent>,
+    pub kept: Option<Place>,
 }
 
-/// How a steady state changes with depth, speed and slide-to-roll ratio; near enough to predict a state nearby.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Tangent {
-    unknowns: [Vec<f64>; 3],
-    load: [f64; 3],
-}
-
-impl Tangent {
-    /// Whether it is of equations with so many unknowns.
-    pub fn fits(&self, unknowns: usize) -> bool {
-        self.unknowns.iter().all(|values| values.is_empty() || values.len() == unknowns)
-    }
-}
-
-/// Most Newton iterations from a state nearby, which takes three to eight.
+/// A tangent is kept for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
+pub(super) const PATIENCE: f64 = 4.0;
+/// Most Newton iterations with a new tangent from a state nearby.
 const WARM_ITERATIONS: usize = 12;
-/// Most Newton iterations from rest, which takes ten to fifteen.
+/// Likewise from rest, which takes ten to fifteen.
 const COLD_ITERATIONS: usize = 25;
 
 /// Most Newton iterations of one step in time on the way to a steady state, and of all of them.
@@ -149,12 +136,12 @@ pub(super) fn load(bodies: &mut Bodies, point: &Point) -> f64 {
 }
 
 fn rest(bodies: &mut Bodies, inputs: &Inputs) -> Steady {
-    Steady { point: bodies.rest(inputs), tangent: None }
+    Steady { point: bodies.rest(inputs), kept: None }
 }
 
 /// Goes from one state to others by steps of the inputs, at the end through time.
 fn travel(bodies: &mut Bodies, from: &Steady, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, Error> {
-    let cold = from.tangent.is_none();
+    let cold = from.kept.is_none();
     let limit = if cold { COLD_ITERATIONS } else { WARM_ITERATIONS };
     let mut rest = (!cold).then(|| rest(bodies, inputs));
     let mut state = from.clone();
@@ -194,9 +181,9 @@ fn step(
     control: Control,
 ) -> (Result<Steady, String>, usize) {
     let mirrored = from.point.mirrored && bodies.may_mirror(target);
-    let guess = predict(bodies, from, target, control);
+    let (guess, foreseen) = predict(bodies, from, target, control);
     let guess = bodies.converted(guess, mirrored);
-    let (result, mut spent) = settle(bodies, guess, target, limit, control);
+    let (result, mut spent) = settle(bodies, guess, target, limit, control, from.kept.as_ref(), foreseen);
     let state = match result {
         Ok(state) => state,
         Err(reason) => return (Err(reason), spent),
@@ -205,18 +192,16 @@ fn step(
     match (state.point.mirrored, bodies.drags(&state.point)) {
         (true, true) => {
             let guess = bodies.converted(state.point, false);
-            let (result, more) = settle(bodies, guess, target, limit, control);
+            let (result, more) = settle(bodies, guess, target, limit, control, None, f64::INFINITY);
             spent += more;
             (result, spent)
         }
         (false, false) if bodies.may_mirror(target) => {
-            let tangent = state.tangent.map(|Tangent { unknowns, load }| {
-                let [depth, speed, _] = unknowns;
-                let convert = |values: Vec<f64>| bodies.converted_values(&values, true);
-                let [depth, speed] = [depth, speed].map(convert);
-                Tangent { unknowns: [depth, speed, Vec::new()], load: [load[0], load[1], 0.0] }
-            });
-            (Ok(Steady { point: bodies.converted(state.point, true), tangent }), spent)
+            let mut kept = state.kept;
+            if let Some(place) = &mut kept {
+                place.point = bodies.converted(place.point.clone(), true);
+            }
+            (Ok(Steady { point: bodies.converted(state.point, true), kept }), spent)
         }
         _ => (Ok(state), spent),
     }
@@ -229,22 +214,14 @@ fn settle(
     target: &Inputs,
     limit: usize,
     control: Control,
+    kept: Option<&Place>,
+    foreseen: f64,
 ) -> (Result<Steady, String>, usize) {
-    let settings = newton::Settings { tolerance: bodies.parameters.tolerance, maximum_iterations: limit, reuse: 0.0 };
-    let (result, spent) = bodies.settle(guess, &Task { inputs: target, rates: None, control, settings });
-    let state = result.and_then(|point| {
-        // A mirrored pair does not change with the slide-to-roll ratio.
-        let directions = if point.mirrored { &Direction::UNIT[..2] } else { &Direction::UNIT[..] };
-        let causes = directions.iter().map(|direction| (*direction, None)).collect();
-        let system = bodies.system(point.mirrored);
-        let changes = system.respond(point.at(None), causes).map_err(|singular| singular.to_string())?;
-        let load = |k: usize| changes.get(k).map_or(0.0, |c| system.load(&c.unknowns, &c.contact_forces));
-        let load = [load(0), load(1), load(2)];
-        let mut changes = changes.into_iter().map(|change| change.unknowns);
-        let unknowns = std::array::from_fn(|_| changes.next().unwrap_or_default());
-        Ok(Steady { point, tangent: Some(Tangent { unknowns, load }) })
-    });
-    (state, spent)
+    let tolerance = bodies.parameters.tolerance;
+    let settings = newton::Settings { tolerance, maximum_iterations: limit, patience: PATIENCE };
+    let task = Task { inputs: target, rates: None, control, settings, kept, foreseen };
+    let (result, spent) = bodies.settle(guess, &task);
+    (result.map(|point| Steady { point, kept: bodies.place().cloned() }), spent)
 }
 
 /// Steady state as the end of a motion in time: squeeze and drainage damp what Newton's method alone would overshoot. The
@@ -256,7 +233,7 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
     let approach = (target.penetration_depth - from.inputs.penetration_depth).abs();
     let thickness = bodies.parameters.upper.thickness.min(bodies.parameters.lower.thickness);
     let stride = |step: f64| RELAXING_APPROACH * thickness / approach * (step / 1e-3).min(1.0);
-    let settings = newton::Settings { tolerance: 1e-2, maximum_iterations: RELAXING_ITERATIONS, reuse: 0.0 };
+    let settings = newton::Settings { tolerance: 1e-2, maximum_iterations: RELAXING_ITERATIONS, patience: 0.0 };
     let (mut step, mut done, mut patience, mut quick, mut spent) = (1e-5, 0.0, 0, 0, 0);
     while quick < 3 {
         let next = f64::min(done + stride(step), 1.0);
@@ -265,7 +242,9 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
         let mut guess = state.clone();
         let approach = inputs.penetration_depth - state.inputs.penetration_depth;
         bodies.system(mirrored).compress(&mut guess.unknowns, approach);
-        let task = Task { inputs: &inputs, rates: Some(&rates), control: Control::Depth, settings };
+        let rates = Some(&rates);
+        let task =
+            Task { inputs: &inputs, rates, control: Control::Depth, settings, kept: None, foreseen: f64::INFINITY };
         let (result, iterations) = bodies.settle(guess, &task);
         spent += iterations;
         match result {
@@ -286,38 +265,63 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
             }
         }
     }
-    let (result, iterations) = settle(bodies, state, target, COLD_ITERATIONS, Control::Depth);
+    let (result, iterations) = settle(bodies, state, target, COLD_ITERATIONS, Control::Depth, None, f64::INFINITY);
     (result, spent + iterations)
 }
 
-/// The state on the tangent at the target inputs.
-fn predict(bodies: &mut Bodies, from: &Steady, target: &Inputs, control: Control) -> Point {
+/// The state on the tangent at the target inputs, and how large a step that is, relative to the fields.
+fn predict(bodies: &mut Bodies, from: &Steady, target: &Inputs, control: Control) -> (Point, f64) {
     let mut point = from.point.clone();
     let at = point.inputs;
-    let mut changes = [
+    let changes = [
         target.penetration_depth - at.penetration_depth,
         target.sliding_speed - at.sliding_speed,
         target.slide_to_roll_ratio - at.slide_to_roll_ratio,
     ];
+    let update = from.kept.as_ref().and_then(|place| along(bodies, &point, place, target, changes, control).ok());
     let system = bodies.system(point.mirrored);
-    let Some(tangent) = &from.tangent else {
+    let Some((update, approach)) = update else {
         system.compress(&mut point.unknowns, changes[0]);
-        return point;
+        return (point, f64::INFINITY);
     };
+    point.inputs.penetration_depth += approach;
+    let size = system.relative_size(&point.unknowns, &update);
+    system.apply(&mut point.unknowns, &update, &point.active);
+    (point, size)
+}
+
+/// What to subtract from the unknowns for these changes of depth, speed and slide-to-roll ratio, by a tangent formed nearby; and the
+/// change of the depth, which under a load follows from that.
+fn along(
+    bodies: &mut Bodies,
+    point: &Point,
+    place: &Place,
+    target: &Inputs,
+    mut changes: [f64; 3],
+    control: Control,
+) -> Result<(Vec<f64>, f64), Singular> {
+    if place.point.mirrored != point.mirrored {
+        return Err(Singular);
+    }
+    bodies.form(place)?;
+    if point.mirrored {
+        // A mirrored pair does not change with the slide-to-roll ratio.
+        changes[2] = 0.0;
+    }
     if control == Control::Load {
-        let load = system.load(&point.unknowns, &point.contact_forces);
-        let [stiffness, by_speed, by_ratio] = tangent.load;
-        let most = LONGEST_APPROACH * system.thickness();
-        let wanted = target.applied_load - load - by_speed * changes[1] - by_ratio * changes[2];
+        let mut wanted = target.applied_load - load(bodies, point);
+        for input in (1..3).filter(|input| changes[*input] != 0.0) {
+            wanted -= bodies.slope(input)?.load * changes[input];
+        }
+        let most = LONGEST_APPROACH * bodies.system(point.mirrored).thickness();
+        let stiffness = bodies.slope(0)?.load;
         changes[0] = if stiffness > 0.0 { (wanted / stiffness).clamp(-most, most) } else { 0.0 };
-        point.inputs.penetration_depth += changes[0];
     }
     let mut update = vec![0.0; point.unknowns.len()];
-    for (derivative, change) in tangent.unknowns.iter().zip(changes) {
-        update.iter_mut().zip(derivative).for_each(|(u, s)| *u -= s * change);
+    for (input, change) in changes.into_iter().enumerate().filter(|(_, change)| *change != 0.0) {
+        update.iter_mut().zip(&bodies.slope(input)?.unknowns).for_each(|(u, s)| *u -= s * change);
     }
-    system.apply(&mut point.unknowns, &update, &point.active);
-    point
+    Ok((update, changes[0]))
 }
 
 /// The inputs at a fraction of the way.

@@ -6,8 +6,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, Point, Task};
+use super::bodies::{Bodies, Place, Point, Task};
 use super::drive::Drive;
+use super::steady::PATIENCE;
 use crate::equations::system::{Contents, Rates};
 use crate::error::Error;
 use crate::parameters::{Control, Inputs};
@@ -16,8 +17,6 @@ use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
 
 /// Most Newton iterations of a stage; where it takes more, a shorter step is the better way.
 const ITERATIONS: usize = 12;
-/// Newton's method keeps a factorisation while each update is at most this share of the one before.
-const REUSE: f64 = 0.2;
 /// Internal steps are no shorter than the communication step over two to this power.
 const HALVINGS: i32 = 24;
 /// Most internal steps of a communication step, tried and taken: a host tool must not wait for ever.
@@ -41,6 +40,8 @@ pub(super) struct Motion {
     pub trend: Trend,
     /// Length of the next internal step [s].
     suggestion: f64,
+    /// Where the last tangent was formed.
+    pub kept: Option<Place>,
     /// How the last communication step went, for its derivatives.
     pub last: LastStep,
 }
@@ -54,7 +55,12 @@ impl Motion {
     /// Whether it is of equations with so many unknowns.
     pub fn fits(&self, unknowns: usize, columns: usize) -> bool {
         let trend = |trend: &Trend| trend.unknowns.is_empty() || trend.unknowns.len() == unknowns;
-        trend(&self.trend) && trend(&self.last.trend) && self.rate.film.len() == columns
+        let rates = self.kept.as_ref().and_then(|place| place.rates.as_ref());
+        let contents = |contents: &Contents| contents.film.len() == columns;
+        trend(&self.trend)
+            && trend(&self.last.trend)
+            && contents(&self.rate)
+            && rates.is_none_or(|rates| contents(&rates.history))
     }
 }
 
@@ -88,14 +94,16 @@ struct Walker {
     point: Point,
     contents: Contents,
     trend: Trend,
+    /// Where the last tangent was formed.
+    kept: Option<Place>,
     iterations: usize,
 }
 
 impl Walker {
-    fn new(bodies: &mut Bodies, start: &LastStep) -> Self {
+    fn new(bodies: &mut Bodies, start: &LastStep, kept: Option<Place>) -> Self {
         let point = start.start.clone();
         let contents = bodies.system(point.mirrored).contents(&point.unknowns, &point.inputs);
-        Self { point, contents, trend: start.trend.clone(), iterations: 0 }
+        Self { point, contents, trend: start.trend.clone(), kept, iterations: 0 }
     }
 
     /// Both stages of an internal step; `visit` is told of each with the time from the start of the march.
@@ -140,11 +148,15 @@ impl Walker {
         let history = history(&formula, &self.contents, first.map(|first| &first.rate));
         let rates = Rates { rate: formula.present, history };
         let settings =
-            newton::Settings { tolerance: parameters.tolerance, maximum_iterations: ITERATIONS, reuse: REUSE };
-        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings };
+            newton::Settings { tolerance: parameters.tolerance, maximum_iterations: ITERATIONS, patience: PATIENCE };
+        let (kept, foreseen) = (self.kept.as_ref(), f64::INFINITY);
+        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings, kept, foreseen };
         let (point, iterations) = bodies.settle(guess, &task);
         self.iterations += iterations;
         let point = point?;
+        if self.kept.as_ref() != bodies.place() {
+            self.kept = bodies.place().cloned();
+        }
         let contents = bodies.system(point.mirrored).contents(&point.unknowns, &point.inputs);
         let rate = rates.of(&contents);
         Ok(Stage { formula, point, rates, rate, contents })
@@ -185,7 +197,8 @@ pub(super) fn advance(
         if apart && start.start.mirrored {
             separate(bodies, &mut start, &mut rate);
         }
-        let (result, iterations) = march(bodies, &start, rate.clone(), drive, duration, suggestion);
+        let kept = motion.and_then(|motion| motion.kept.clone());
+        let (result, iterations) = march(bodies, &start, rate.clone(), drive, duration, suggestion, kept);
         spent += iterations;
         match result {
             Ok((point, motion)) => return Ok((point, motion, spent)),
@@ -227,10 +240,11 @@ fn march(
     drive: &Drive,
     duration: f64,
     suggestion: f64,
+    kept: Option<Place>,
 ) -> (Result<(Point, Motion), Stop>, usize) {
     let longest = bodies.parameters.maximum_internal_step;
     let shortest = f64::from(-HALVINGS).exp2();
-    let mut walker = Walker::new(bodies, start);
+    let mut walker = Walker::new(bodies, start, kept);
     let (mut done, mut wanted, mut steps) = (0.0, suggestion, Vec::new());
     let mut trials = 0;
     while done < 1.0 {
@@ -264,9 +278,9 @@ fn march(
             Err(reason) => return (Err(stuck(reason)), walker.iterations),
         }
     }
-    let Walker { point, trend, iterations, .. } = walker;
+    let Walker { point, trend, kept, iterations, .. } = walker;
     let last = LastStep { steps, ..start.clone() };
-    let motion = rate.map(|rate| Motion { rate, trend, suggestion: wanted, last });
+    let motion = rate.map(|rate| Motion { rate, trend, suggestion: wanted, kept, last });
     let end = motion.map(|motion| (point, motion));
     (end.ok_or_else(|| Stop::Stuck { time: 0.0, reason: "the step has no length".into() }), iterations)
 }
@@ -311,7 +325,7 @@ pub(super) fn replay(
     drive: &Drive,
     mut visit: impl FnMut(&mut Bodies, &Stage, f64) -> Result<(), String>,
 ) -> Result<(), String> {
-    let mut walker = Walker::new(bodies, last);
+    let mut walker = Walker::new(bodies, last, None);
     let mut time = 0.0;
     for step in &last.steps {
         let stages = walker.stages(bodies, drive, time, *step, &mut visit)?;

@@ -27,6 +27,54 @@ pub trait Problem {
 
     /// Size of an update relative to the unknowns.
     fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64;
+
+    /// Whether there is a factorisation from before for the discrete state of the last residual; and the size of the step to the
+    /// first unknowns that was foreseen with it, infinite where none was.
+    fn kept(&mut self) -> Option<f64> {
+        None
+    }
+
+    /// What changes of the unknowns are multiplied with before they are compared with each other.
+    fn weights(&self, unknowns: &[f64]) -> Vec<f64> {
+        vec![1.0; unknowns.len()]
+    }
+}
+
+/// Broyden's update of a kept tangent by the steps that were taken with it, each the solution's whole step: C. T. Kelley, Solving
+/// Nonlinear Equations with Newton's Method, SIAM 2003, section 4. What the tangent misses in a few directions is learned from
+/// the residuals, and the steps shrink faster than a geometric series.
+#[derive(Default)]
+struct Broyden {
+    /// See [`Problem::weights`].
+    weights: Vec<f64>,
+    /// Steps since the tangent was factorised, and their squares.
+    steps: Vec<(Vec<f64>, f64)>,
+}
+
+impl Broyden {
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).zip(&self.weights).map(|((a, b), weight)| weight * weight * a * b).sum()
+    }
+
+    /// Turns the solution with the kept tangent into that with the updated one.
+    fn correct(&self, update: &mut [f64]) {
+        for (index, (step, square)) in self.steps.iter().enumerate() {
+            let share = self.product(step, update) / square;
+            // The last step was followed by this update, and by no other yet.
+            match self.steps.get(index + 1) {
+                Some((next, _)) => update.iter_mut().zip(next).for_each(|(u, s)| *u += share * s),
+                None if share < LARGEST_SHARE => update.iter_mut().for_each(|u| *u /= 1.0 - share),
+                None => {}
+            }
+        }
+    }
+
+    fn add(&mut self, step: &[f64]) {
+        let square = self.product(step, step);
+        if square > 0.0 {
+            self.steps.push((step.to_vec(), square));
+        }
+    }
 }
 
 /// When to stop.
@@ -34,11 +82,11 @@ pub trait Problem {
 pub struct Settings {
     /// Allowed error of the unknowns, relative.
     pub tolerance: f64,
-    /// Most iterations.
+    /// Most iterations that form a tangent.
     pub maximum_iterations: usize,
-    /// A factorisation serves further iterations as long as each update is at most this share of the one before, and the
-    /// discrete state stays; 0 is Newton's method in full.
-    pub reuse: f64,
+    /// A factorisation is kept as long as the contraction of the updates promises the solution within so many further iterations,
+    /// and the discrete state stays; 0 is Newton's method in full. About what a factorisation costs in iterations without.
+    pub patience: f64,
 }
 
 /// Why there is no solution, and what it cost to find out.
@@ -49,6 +97,12 @@ pub struct Failure {
     /// Iterations spent.
     pub iterations: usize,
 }
+
+/// An update of this relative size changes the tangent too much for it to be kept.
+const LARGE: f64 = 0.3;
+
+/// Broyden's update is left out where it would divide by less than one minus this.
+const LARGEST_SHARE: f64 = 0.8;
 
 /// Solves in place; returns the number of iterations. `residual` ends as the residual at the solution.
 ///
@@ -65,33 +119,55 @@ pub fn solve(
 ) -> Result<usize, Failure> {
     let fail = |reason: String, iterations| Failure { reason, iterations };
     let mut update = vec![0.0; unknowns.len()];
-    let (mut previous, mut converged, mut stale) = (f64::INFINITY, false, true);
+    let mut broyden = Broyden::default();
     problem.residual(unknowns, residual).map_err(|reason| fail(reason, 0))?;
-    for iteration in 1..=settings.maximum_iterations {
-        let fail = |reason| fail(reason, iteration);
+    let kept = if settings.patience > 0.0 { problem.kept() } else { None };
+    let foreseen = kept.filter(|size| *size > 0.0).unwrap_or(f64::INFINITY);
+    // `previous` is the size of the last update, as far as the next one says how fast they shrink.
+    let (mut stale, mut previous) = (kept.is_none(), foreseen);
+    let (mut iterations, mut formed, mut converged) = (0, 0, false);
+    while !stale || formed < settings.maximum_iterations {
+        iterations += 1;
+        let fail = |reason| fail(reason, iterations);
         if stale {
             problem.factorise(unknowns).map_err(fail)?;
+            formed += 1;
+            broyden.steps.clear();
         }
         update.copy_from_slice(residual);
         problem.solve(&mut update).map_err(fail)?;
+        broyden.correct(&mut update);
         let size = problem.relative_size(unknowns, &update);
         if !size.is_finite() {
             return Err(fail("the update is not finite".into()));
         }
         let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
-        let first = previous.is_infinite();
-        let contraction = if first { 1.0 } else { size / previous };
-        // With one factorisation the updates shrink like a geometric series.
-        let rest = if stale { contraction.min(1.0) } else { contraction / (1.0 - contraction.min(0.9)) };
+        let contraction = previous.is_finite().then_some(size / previous);
+        let rest = match contraction {
+            // With one factorisation the updates shrink like a geometric series.
+            Some(contraction) if !stale => contraction / (1.0 - contraction.min(0.9)),
+            None if !stale => 10.0,
+            _ => contraction.unwrap_or(1.0).min(1.0),
+        };
         converged = size * rest < settings.tolerance;
         if converged && !changed {
-            return Ok(iteration);
+            return Ok(iterations);
         }
-        stale = changed || settings.reuse == 0.0 || (!first && contraction > settings.reuse) || size > 1.0;
+        let slow = |contraction: f64| {
+            contraction >= 1.0 || (settings.tolerance / size).ln() / contraction.ln() > settings.patience
+        };
+        let serves = size < LARGE && (stale || !contraction.is_some_and(slow));
+        if serves && !changed {
+            if broyden.weights.is_empty() {
+                broyden.weights = problem.weights(unknowns);
+            }
+            broyden.add(&update);
+        }
+        stale = changed || settings.patience == 0.0 || !serves;
         previous = if changed { f64::INFINITY } else { size.min(1.0) };
     }
     let reason = if converged { "the contact does not settle" } else { "Newton's method does not converge" };
-    Err(fail(format!("{reason} in {} iterations", settings.maximum_iterations), settings.maximum_iterations))
+    Err(fail(format!("{reason} in {iterations} iterations"), iterations))
 }
 
 /// Applies an update, shortened where there is no residual at its end.
@@ -152,10 +228,14 @@ mod tests {
         }
     }
 
-    fn run<F: Fn(f64) -> (f64, f64)>(function: F, start: f64, reuse: f64) -> (Result<usize, Failure>, f64, Scalar<F>) {
+    fn run<F: Fn(f64) -> (f64, f64)>(
+        function: F,
+        start: f64,
+        patience: f64,
+    ) -> (Result<usize, Failure>, f64, Scalar<F>) {
         let mut problem = Scalar { function, slope: 0.0, sizes: vec![], factorised: 0 };
         let mut z = [start];
-        let settings = Settings { tolerance: 1e-10, maximum_iterations: 20, reuse };
+        let settings = Settings { tolerance: 1e-10, maximum_iterations: 20, patience };
         let result = solve(&mut problem, &mut z, &mut Vec::new(), &settings);
         (result, z[0], problem)
     }
@@ -173,10 +253,10 @@ mod tests {
     fn a_factorisation_is_kept_while_it_serves() {
         let function = |z: f64| (z * z - 2.0, 2.0 * z);
         for start in [1.5, 3.0] {
-            let (result, z, kept) = run(function, start, 0.3);
+            let (result, z, kept) = run(function, start, 8.0);
             let (_, _, renewed) = run(function, start, 0.0);
             assert!((z - 2.0_f64.sqrt()).abs() < 1e-10);
-            assert!(kept.factorised < renewed.factorised && result.unwrap() > renewed.factorised);
+            assert!(kept.factorised < renewed.factorised && result.unwrap() > kept.factorised);
         }
     }
 

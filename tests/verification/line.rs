@@ -64,7 +64,7 @@ impl Line {
         for (number, node) in self.numbered() {
             unknowns[number] = self.pressure[node];
         }
-        let settings = newton::Settings { tolerance: 1e-11, maximum_iterations: 50, reuse: 0.0 };
+        let settings = newton::Settings { tolerance: 1e-11, maximum_iterations: 50, patience: 0.0 };
         newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.set(&unknowns);
     }

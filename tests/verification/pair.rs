@@ -49,7 +49,7 @@ impl Pair {
     pub fn go(&mut self, inputs: Inputs) {
         self.inputs = inputs;
         let mut unknowns = self.unknowns.clone();
-        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 40, reuse: 0.0 };
+        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 40, patience: 0.0 };
         newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
     }

@@ -157,7 +157,7 @@ impl Strip {
     /// Solves from the present values. Returns the number of Newton iterations.
     pub fn solve(&mut self) -> usize {
         let mut unknowns = self.unknowns.clone();
-        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 30, reuse: 0.0 };
+        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 30, patience: 0.0 };
         let iterations = newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
         iterations

@@ -32,7 +32,7 @@ pub struct Layer {
 }
 
 /// Time derivatives by a difference formula, d/dt = rate * present value + history; steady has none.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rates {
     /// Factor of the present value [1/s].
     pub rate: f64,

@@ -43,6 +43,26 @@ impl System {
         }
     }
 
+    /// One over what a change of each unknown is measured against: displacements and pressures against their largest values, gaps
+    /// each against itself (and `THIN_FILM` where the surfaces all but touch).
+    pub fn weights_of(&self, unknowns: &[f64]) -> Vec<f64> {
+        // What is below a millionth of the layer's thickness or modulus is no displacement or pressure to speak of.
+        let (mut displacement, mut pressure) = (1e-6 * self.thickness, 1e-6 * self.stress_scale);
+        for (value, quantity) in unknowns.iter().zip(&self.layout.quantities) {
+            match quantity {
+                Quantity::Displacement => displacement = displacement.max(value.abs()),
+                Quantity::Pressure => pressure = pressure.max(value.abs()),
+                Quantity::Gap => {}
+            }
+        }
+        let weight = |(value, quantity): (&f64, &Quantity)| match quantity {
+            Quantity::Displacement => 1.0 / displacement,
+            Quantity::Pressure => 1.0 / pressure,
+            Quantity::Gap => 1.0 / (value.abs() + THIN_FILM * self.thickness),
+        };
+        unknowns.iter().zip(&self.layout.quantities).map(weight).collect()
+    }
+
     /// Size of an update relative to the fields: displacements and pressures to their largest values, gaps each to itself (and to
     /// `THIN_FILM` where the surfaces all but touch).
     pub fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
