@@ -52,13 +52,13 @@ impl System {
             match quantity {
                 Quantity::Displacement => displacement = displacement.max(value.abs()),
                 Quantity::Pressure => pressure = pressure.max(value.abs()),
-                Quantity::Gap => {}
+                Quantity::Gap | Quantity::Void => {}
             }
         }
         let weight = |(value, quantity): (&f64, &Quantity)| match quantity {
             Quantity::Displacement => 1.0 / displacement,
             Quantity::Pressure => 1.0 / pressure,
-            Quantity::Gap => 1.0 / (value.abs() + THIN_FILM * self.thickness),
+            Quantity::Gap | Quantity::Void => 1.0 / (value.abs() + THIN_FILM * self.thickness),
         };
         unknowns.iter().zip(&self.layout.quantities).map(weight).collect()
     }
