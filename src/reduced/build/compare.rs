@@ -1,10 +1,11 @@
 //! A table beside the full model.
 
 use super::super::table::{Side, place};
-use super::super::{Accuracy, Deviation, ReducedModel};
+use super::super::{Accuracy, Check, Deviation, ReducedModel};
 use super::{Builder, Sample, Tolerance};
 use crate::error::Error;
 use crate::outputs::Outputs;
+use crate::parameters::Inputs;
 
 /// Within this share of the range of depths friction is near first touch.
 const NEAR_TOUCH: f64 = 1.0 / 40.0;
@@ -16,19 +17,20 @@ impl Builder<'_> {
         let (full, full_slopes) = model.outputs(inputs, &sample.state, side);
         // Halfway states may lie beyond the range that is asked for, and first touch is where the table says.
         let chart = &model.content.chart;
-        let u = model.log_speed(inputs.sliding_speed);
-        let state_at = |depth: f64| {
-            let (side, station) = chart.station(self.stations[0].0, depth, u);
-            let patch = model.patches.iter().find(|patch| patch.side == side).unwrap_or(&model.patches[0]);
-            (side, patch.state(chart, station, u))
-        };
-        let (side, state) = state_at(inputs.penetration_depth);
+        let speed = inputs.sliding_speed;
+        let (state, side) = model.state(inputs.penetration_depth, speed)?;
         let (table, table_slopes) = model.outputs(inputs, &state, side);
-        let touch = chart.touch(u).map(|[depth, _]| (depth, state_at(depth).1[0][place::CENTRAL_FILM]));
+        let moving = speed.max(chart.slowest());
+        let thin_film = match chart.touch(moving) {
+            Some([depth, _]) => model.state(depth, moving)?.0[0][place::CENTRAL_FILM],
+            None => 0.0,
+        };
         let near = NEAR_TOUCH * (self.range.depths[1] - self.range.depths[0]);
         Ok(Comparison {
-            near_touch: touch.is_some_and(|(depth, _)| (inputs.penetration_depth - depth).abs() < near),
-            thin_film: touch.map_or(0.0, |(_, film)| film),
+            inputs: *inputs,
+            near_touch: chart.touch(speed).is_some_and(|[depth, _]| (inputs.penetration_depth - depth).abs() < near),
+            near_rest: speed < chart.slowest(),
+            thin_film,
             stiffness: [full_slopes[0].load, table_slopes[0].load],
             full,
             table,
@@ -42,7 +44,10 @@ pub(super) struct Comparison {
     table: Outputs,
     /// dL/dd of both [N/m^2].
     stiffness: [f64; 2],
+    inputs: Inputs,
     near_touch: bool,
+    /// Whether it is slower than the slowest line.
+    near_rest: bool,
     /// Film in the middle of the contact at first touch at this speed.
     thin_film: f64,
 }
@@ -68,10 +73,27 @@ impl Comparison {
     /// The largest error as a multiple of what is allowed.
     pub(super) fn excess(&self, tolerance: &Tolerance) -> f64 {
         let friction = if self.near_touch { 0.0 } else { self.friction() / tolerance.friction_coefficient };
-        (self.load() / tolerance.load)
-            .max(self.film() / tolerance.minimum_film_thickness)
+        let load = if self.load_counts() { self.load() / tolerance.load } else { 0.0 };
+        load.max(self.film() / tolerance.minimum_film_thickness)
             .max(self.fluid_pressure() / tolerance.fluid_pressure)
             .max(friction)
+    }
+
+    /// Towards rest the load at first touch vanishes, and a small load is measured against a smaller one.
+    fn load_counts(&self) -> bool {
+        !(self.near_touch && self.near_rest)
+    }
+
+    /// What is kept of it.
+    pub(super) fn check(&self) -> Check {
+        Check {
+            penetration_depth: self.inputs.penetration_depth,
+            sliding_speed: self.inputs.sliding_speed,
+            near_touch: self.near_touch,
+            load: self.load(),
+            minimum_film_thickness: self.film(),
+            friction_coefficient: self.friction(),
+        }
     }
 
     fn fluid_pressure(&self) -> f64 {
@@ -98,7 +120,8 @@ pub(super) fn accuracy(comparisons: &[Comparison]) -> Accuracy {
     };
     Accuracy {
         states: comparisons.len(),
-        load: of(&|c| Some(c.load())),
+        load: of(&|c| c.load_counts().then(|| c.load())),
+        load_near_touch_at_rest: of(&|c| (!c.load_counts()).then(|| c.load())),
         minimum_film_thickness: of(&|c| Some(c.film())),
         friction_coefficient: of(&|c| (!c.near_touch).then(|| c.friction())),
         friction_coefficient_near_touch: of(&|c| c.near_touch.then(|| c.friction())),

@@ -2,8 +2,8 @@
 
 use super::super::table::{Chart, Grid, QUANTITIES, Side, place};
 use super::super::{Accuracy, Content, ReducedModel};
-use super::Builder;
 use super::touch::Touch;
+use super::{Builder, REST};
 use crate::error::Error;
 use crate::parameters::Inputs;
 
@@ -18,9 +18,9 @@ impl Builder<'_> {
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
         let [least, most] = self.range.depths;
         let margin = TOUCH_MARGIN * (most - least);
-        self.find_touches(&self.log_speeds.clone(), least)?;
-        let depths: Vec<Option<f64>> =
-            self.log_speeds.iter().map(|u| self.touches.get(&u.to_bits()).map(Touch::depth)).collect();
+        let lines = self.lines();
+        self.find_touches(&lines, least)?;
+        let depths: Vec<Option<f64>> = lines.iter().map(|u| self.touch(*u)).collect();
         let film_everywhere = depths.iter().all(|depth| depth.is_none_or(|depth| depth >= most));
         let contact_everywhere = depths.iter().all(|depth| depth.is_some_and(|depth| depth <= least));
         self.has_touch = !film_everywhere && !contact_everywhere;
@@ -41,22 +41,32 @@ impl Builder<'_> {
         Ok(())
     }
 
+    /// Depth of first touch at a speed where it has been found.
+    fn touch(&self, log_speed: f64) -> Option<f64> {
+        self.touches.get(&log_speed.to_bits()).map(Touch::depth)
+    }
+
+    /// Whether a station is at first touch.
+    pub(super) fn at_touch(&self, side: Side, station: f64) -> bool {
+        self.has_touch && station == if side == Side::Film { 1.0 } else { 0.0 }
+    }
+
     /// The coordinates of the present lines, if first touch is known on all of them.
     pub(super) fn chart(&self) -> Option<Chart> {
-        let touch = match self.has_touch {
-            true => {
-                self.log_speeds.iter().map(|u| Some(self.touches.get(&u.to_bits())?.depth())).collect::<Option<_>>()?
-            }
-            false => Vec::new(),
-        };
-        Some(Chart { depths: self.depths, log_speeds: self.log_speeds.clone(), touch })
+        let (mut touch, mut at_rest) = (Vec::new(), 0.0);
+        if self.has_touch {
+            touch = self.log_speeds.iter().map(|u| self.touch(*u)).collect::<Option<_>>()?;
+            at_rest = if self.rests() { self.touch(REST)? } else { 0.0 };
+        }
+        let rest = self.rests().then_some(at_rest);
+        Some(Chart { depths: self.depths, log_speeds: self.log_speeds.clone(), touch, rest })
     }
 
     /// The depth at a place of the grid, where first touch at that speed has been found.
     fn depth(&self, (side, station, u): (Side, f64, f64)) -> f64 {
-        let touch = if self.has_touch { self.touches.get(&u.to_bits()).map(Touch::depth) } else { None };
+        let touch = if self.has_touch { self.touch(u) } else { None };
         let touch: Vec<f64> = touch.map_or(Vec::new(), |depth| vec![depth; 2]);
-        Chart { depths: self.depths, log_speeds: vec![u, u + 1.0], touch }.depth(side, station, u).value
+        Chart { depths: self.depths, log_speeds: vec![0.0, 1.0], touch, rest: None }.depth(side, station, 1.0).value
     }
 
     /// Solves the places that have not been solved yet.
@@ -93,21 +103,22 @@ impl Builder<'_> {
         let chart = self.chart().ok_or_else(missing)?;
         let mut grids = Vec::new();
         for (side, stations) in &self.stations {
-            let mut states = Vec::with_capacity(4 * QUANTITIES * stations.len() * chart.log_speeds.len());
-            for u in &chart.log_speeds {
+            let mut states = Vec::with_capacity(4 * QUANTITIES * stations.len() * (1 + chart.log_speeds.len()));
+            for u in self.lines() {
                 for station in stations {
                     let key = (*side, station.to_bits(), u.to_bits());
                     let sample = self.samples.get(&key).ok_or_else(missing)?;
                     let start = states.len();
                     states.extend(sample.state.iter().flatten().map(|value| *value as f32));
-                    if self.has_touch && *station == if *side == Side::Film { 1.0 } else { 0.0 } {
+                    if self.at_touch(*side, *station) {
                         states[start + place::MINIMUM_FILM] = 0.0;
                     }
                 }
             }
-            grids.push(Grid { side: *side, stations: stations.clone(), states });
+            let moving = states.split_off(usize::from(self.rests()) * 4 * QUANTITIES * stations.len());
+            grids.push(Grid { side: *side, stations: stations.clone(), states: moving, rest: states });
         }
-        let (parameters, range, accuracy) = (*self.parameters, self.range, Accuracy::default());
-        Ok(ReducedModel::new(Content { parameters, range, accuracy, chart, grids }))
+        let (parameters, range, accuracy, checks) = (*self.parameters, self.range, Accuracy::default(), Vec::new());
+        Ok(ReducedModel::new(Content { parameters, range, accuracy, checks, chart, grids }))
     }
 }

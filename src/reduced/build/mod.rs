@@ -57,6 +57,17 @@ struct Sample {
     touching: bool,
 }
 
+/// ln U at rest.
+const REST: f64 = f64::NEG_INFINITY;
+/// In a table that goes down to rest, the slowest line is at first so much slower than the fastest.
+const FIRST_RATIO: f64 = 256.0;
+
+/// Logarithms of the slowest and the fastest speed of the first lines.
+fn first_lines(range: &Range) -> [f64; 2] {
+    let [slowest, fastest] = range.speeds;
+    [if slowest > 0.0 { slowest } else { fastest / FIRST_RATIO }, fastest].map(f64::ln)
+}
+
 /// A place of the grid. Numbers are compared by their bits.
 type Key = (Side, u64, u64);
 
@@ -67,6 +78,7 @@ struct Builder<'a> {
     threads: usize,
     progress: &'a (dyn Fn(Progress) + Sync),
     solved: usize,
+    /// The lines but for that at rest.
     log_speeds: Vec<f64>,
     stations: Vec<(Side, Vec<f64>)>,
     samples: HashMap<Key, Sample>,
@@ -94,7 +106,7 @@ impl ReducedModel {
         let parameters = &Parameters { fidelity: Fidelity::Full, ..*parameters };
         parameters.validate()?;
         check(&range)?;
-        let [slowest, fastest] = range.speeds.map(f64::ln);
+        let [slowest, fastest] = first_lines(&range);
         let last = (FIRST_SPEEDS - 1) as f64;
         let log_speeds = (0..FIRST_SPEEDS).map(|i| slowest + (fastest - slowest) * i as f64 / last).collect();
         let mut builder = Builder {
@@ -126,11 +138,11 @@ fn check(range: &Range) -> Result<(), Error> {
             "two ascending numbers from -1e-2 to 1e-2 m",
         ));
     }
-    if !(1e-6..10.0).contains(&slowest) || fastest <= slowest || fastest > 10.0 {
+    if !(slowest == 0.0 || (1e-6..10.0).contains(&slowest)) || fastest <= slowest || !(1e-3..=10.0).contains(&fastest) {
         return Err(Error::value(
             "speeds",
             format!("{slowest}:{fastest}"),
-            "two ascending numbers from 1e-6 to 10 m/s",
+            "two ascending numbers: 0 or from 1e-6, and from 1e-3 to 10 m/s",
         ));
     }
     if !(-10.0..=10.0).contains(&range.slide_to_roll_ratio) {
@@ -140,6 +152,17 @@ fn check(range: &Range) -> Result<(), Error> {
 }
 
 impl Builder<'_> {
+    /// Whether the table goes down to rest.
+    fn rests(&self) -> bool {
+        self.range.speeds[0] == 0.0
+    }
+
+    /// ln U of all lines.
+    fn lines(&self) -> Vec<f64> {
+        let rest = self.rests().then_some(REST);
+        rest.into_iter().chain(self.log_speeds.iter().copied()).collect()
+    }
+
     fn inputs(&self, depth: f64, log_speed: f64) -> Inputs {
         let [slowest, fastest] = self.range.speeds;
         Inputs {

@@ -31,7 +31,7 @@ impl Builder<'_> {
             .iter()
             .filter(|u| !self.touches.contains_key(&u.to_bits()))
             .map(|&log_speed| {
-                let near = known.as_ref().and_then(|chart| chart.touch(log_speed));
+                let near = known.as_ref().and_then(|chart| chart.touch(log_speed.exp()));
                 let next = near.map_or(guess, |[depth, _]| depth - precision);
                 Search { log_speed, apart: None, touching: None, next: Some(next), stride: 8.0 * precision }
             })
