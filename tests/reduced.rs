@@ -57,7 +57,7 @@ fn scales(model: &ReducedModel) -> Vec<f64> {
     let whole = |name: &'static str| name.split('[').next().unwrap();
     let Range { depths: [least, most], speeds, .. } = *model.range();
     for depth in 0..=20 {
-        for sliding_speed in speeds {
+        for sliding_speed in [speeds[0], model.slowest_line(), speeds[1]] {
             let at = Inputs {
                 penetration_depth: least + (most - least) * f64::from(depth) / 20.0,
                 sliding_speed,
