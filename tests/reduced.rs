@@ -202,7 +202,7 @@ fn nothing_jumps_at_first_touch_at_the_slowest_speed_or_at_rest() {
     }
     for micron in [-2.0, 8.0] {
         for speed in [slowest, 0.0, -slowest] {
-            close(resting(), inputs(micron, speed - 1e-11), inputs(micron, speed + 1e-11));
+            close(resting(), inputs(micron, speed - 1e-15), inputs(micron, speed + 1e-15));
         }
     }
 }
