@@ -280,13 +280,16 @@ fn reduce_packs_a_model_and_says_how_good_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let output = run_in(
         folder.path(),
-        &format!("reduce {COARSE} --depths=-9e-6:-5e-6 --speeds 0.1:0.2 --threads 2 --output contact.fmu"),
+        &format!("reduce {COARSE} --depths=-9e-6:-5e-6 --speeds 0.1:0.2 --threads 2 --output contact.fmu --picture"),
     );
     let text = out(&output);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     for expected in ["reduced model of", "-9e-6 to -5e-6 m", "load 0.", "contact.fmi3.fmu"] {
         assert!(text.contains(expected), "{expected} in {text}");
     }
+    let picture = std::fs::read_to_string(folder.path().join("contact_errors.svg")).unwrap();
+    assert!(picture.contains("Load: 100 of 100 within"));
+    assert!(std::fs::read(folder.path().join("contact_errors.png")).unwrap().starts_with(b"\x89PNG"));
     let archive = std::fs::read(folder.path().join("contact.fmu")).unwrap();
     assert!(archive.windows(27).any(|window| window == b"resources/reduced_model.bin"));
     assert!(refused("reduce --depths 1e-6", 2).contains("--depths=-20e-6:60e-6"));

@@ -6,11 +6,14 @@ use std::sync::OnceLock;
 
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Inputs, Mesh, Parameters};
-use cartilage_contact::reduced::{Range, ReducedModel, Tolerance};
+use cartilage_contact::reduced::{Check, Range, ReducedModel, Tolerance};
 use cartilage_contact::simulation::Simulation;
 use cartilage_contact::variables::{Source, VARIABLES};
 
 const RANGE: Range = Range { depths: [-6e-6, 20e-6], speeds: [0.15, 0.4], slide_to_roll_ratio: 0.0 };
+
+/// A range with rest in it.
+const RESTING: Range = Range { depths: [-3e-6, 10e-6], speeds: [0.0, 0.05], slide_to_roll_ratio: 0.0 };
 
 const TOLERANCE: Tolerance =
     Tolerance { load: 0.01, minimum_film_thickness: 0.02, friction_coefficient: 0.02, fluid_pressure: 0.03 };
@@ -29,6 +32,11 @@ fn model() -> &'static ReducedModel {
     MODEL.get_or_init(|| ReducedModel::build(&parameters(), RANGE, TOLERANCE, 2, &|_| ()).unwrap())
 }
 
+fn resting() -> &'static ReducedModel {
+    static MODEL: OnceLock<ReducedModel> = OnceLock::new();
+    MODEL.get_or_init(|| ReducedModel::build(&parameters(), RESTING, TOLERANCE, 2, &|_| ()).unwrap())
+}
+
 fn inputs(micron: f64, sliding_speed: f64) -> Inputs {
     Inputs { penetration_depth: micron * 1e-6, sliding_speed, slide_to_roll_ratio: 0.0, ..Inputs::NONE }
 }
@@ -44,18 +52,24 @@ fn numbers(outputs: &Outputs) -> Vec<(&'static str, f64)> {
 }
 
 /// Largest value of each output over the range, for scale; of a profile, that of all its stations.
-fn scales() -> Vec<f64> {
+fn scales(model: &ReducedModel) -> Vec<f64> {
     let mut largest: HashMap<&str, f64> = HashMap::new();
     let whole = |name: &'static str| name.split('[').next().unwrap();
-    for micron in -6..=20 {
-        for speed in [0.15, 0.4] {
-            for (name, value) in numbers(&model().evaluate(&inputs(micron.into(), speed)).unwrap().0) {
+    let Range { depths: [least, most], speeds, .. } = *model.range();
+    for depth in 0..=20 {
+        for sliding_speed in [speeds[0], model.slowest_line(), speeds[1]] {
+            let at = Inputs {
+                penetration_depth: least + (most - least) * f64::from(depth) / 20.0,
+                sliding_speed,
+                ..inputs(0.0, 0.0)
+            };
+            for (name, value) in numbers(&model.evaluate(&at).unwrap().0) {
                 let scale = largest.entry(whole(name)).or_default();
                 *scale = scale.max(value.abs());
             }
         }
     }
-    numbers(&model().evaluate(&inputs(0.0, 0.2)).unwrap().0).iter().map(|(name, _)| largest[whole(name)]).collect()
+    numbers(&model.evaluate(&inputs(0.0, speeds[1])).unwrap().0).iter().map(|(name, _)| largest[whole(name)]).collect()
 }
 
 #[test]
@@ -88,14 +102,48 @@ fn it_meets_the_full_model_within_its_tolerance() {
 }
 
 #[test]
+fn at_rest_and_where_sliding_turns_it_meets_the_full_model() {
+    assert!(resting().keeps(&TOLERANCE), "{:#?}", resting().accuracy());
+    let slow = |check: &&Check| check.sliding_speed < resting().slowest_line();
+    assert!(resting().checks().iter().filter(slow).count() >= 40);
+    let mut full = Simulation::new(&parameters()).unwrap();
+    let slowest = resting().slowest_line();
+    for (micron, speed) in [(-2.1, 0.3 * slowest), (3.1, 0.0), (3.1, -0.6 * slowest), (7.7, 0.9 * slowest), (9.1, 0.0)]
+    {
+        full.solve_steady(inputs(micron, speed)).unwrap();
+        let (table, full) = (resting().evaluate(&inputs(micron, speed)).unwrap().0, full.outputs());
+        let off = |of: fn(&Outputs) -> f64, scale: f64| (of(&table) - of(full)).abs() / of(full).abs().max(scale);
+        let place = format!("{micron} micron, {speed} m/s");
+        assert!(off(|o| o.load, 0.0) < TOLERANCE.load, "{place}: {} for {}", table.load, full.load);
+        assert!(
+            off(|o| o.fluid_load, 1e-6 * full.load) < 0.02,
+            "{place}: {} for {}",
+            table.fluid_load,
+            full.fluid_load
+        );
+        assert!(off(|o| o.upper_friction_force, 1e-12) < TOLERANCE.friction_coefficient, "{place}");
+        assert_eq!(table.lubrication_regime, full.lubrication_regime, "{place}");
+    }
+    // Not moved, what does not touch carries nothing, and nothing drags.
+    let still = resting().evaluate(&inputs(-1.0, 0.0)).unwrap().0;
+    assert_eq!([still.load, still.upper_friction_force, still.fluid_exudation], [0.0; 3]);
+    assert!((still.minimum_film_thickness - 1e-6).abs() < 1e-10);
+}
+
+#[test]
 fn derivatives_are_those_of_the_interpolant() {
-    let scales = scales();
-    // Film, contact, reversed; slower than the table in both directions.
-    for (micron, speed) in [(-3.3, 0.2), (18.2, 0.33), (17.1, -0.17), (1.2, 0.07), (19.0, -0.03)] {
+    let slowest = resting().slowest_line();
+    // Film, contact, reversed.
+    let moving = [(-3.3, 0.2), (18.2, 0.33), (17.1, -0.17)];
+    let slow = [(-1.3, 0.6 * slowest), (1.2, 0.7 * slowest), (8.0, -0.3 * slowest), (9.0, 0.02)];
+    let places = moving.map(|place| (model(), place)).into_iter().chain(slow.map(|place| (resting(), place)));
+    for (model, (micron, speed)) in places {
+        let scales = scales(model);
         let at = inputs(micron, speed);
-        let derivatives = model().evaluate(&at).unwrap().1;
-        let value = |at: Inputs| numbers(&model().evaluate(&at).unwrap().0);
-        for (k, (by_depth, by_speed)) in [(1e-10, 0.0), (0.0, 1e-6)].into_iter().enumerate() {
+        let derivatives = model.evaluate(&at).unwrap().1;
+        let value = |at: Inputs| numbers(&model.evaluate(&at).unwrap().0);
+        let faster = if speed.abs() < slowest { 1e-4 * slowest } else { 1e-6 };
+        for (k, (by_depth, by_speed)) in [(1e-10, 0.0), (0.0, faster)].into_iter().enumerate() {
             let moved = |sign: f64| {
                 value(Inputs {
                     penetration_depth: at.penetration_depth + sign * by_depth,
@@ -116,11 +164,15 @@ fn derivatives_are_those_of_the_interpolant() {
 
 #[test]
 fn reversing_the_speed_mirrors_the_outputs() {
-    for (micron, speed) in [(-3.3, 0.2), (18.2, 0.33), (2.0, 0.05)] {
-        let [there, back] = [speed, -speed].map(|speed| model().evaluate(&inputs(micron, speed)).unwrap());
+    for (model, micron, speed) in
+        [(model(), -3.3, 0.2), (model(), 18.2, 0.33), (resting(), 2.0, 1e-4), (resting(), 9.0, 0.0)]
+    {
+        let [there, back] = [speed, -speed].map(|speed| model.evaluate(&inputs(micron, speed)).unwrap());
         assert_eq!(there.0.load, back.0.load);
         assert_eq!(there.0.upper_friction_force, -back.0.upper_friction_force);
-        assert_eq!(there.0.minimum_film_position, -back.0.minimum_film_position);
+        // In contact it is the first place that touches, seen from the left.
+        let last = there.0.minimum_film_position + there.0.contact_length;
+        assert!((last + back.0.minimum_film_position).abs() < 1e-15);
         let mut reversed = back.0.fluid_pressure.clone();
         reversed.reverse();
         assert_eq!(there.0.fluid_pressure, reversed);
@@ -131,20 +183,26 @@ fn reversing_the_speed_mirrors_the_outputs() {
 
 #[test]
 fn nothing_jumps_at_first_touch_at_the_slowest_speed_or_at_rest() {
-    let scales = scales();
-    let close = |a: Inputs, b: Inputs| {
-        let [a_outputs, b_outputs] = [a, b].map(|at| numbers(&model().evaluate(&at).unwrap().0));
+    let close = |model: &ReducedModel, a: Inputs, b: Inputs| {
+        let scales = scales(model);
+        let [a_outputs, b_outputs] = [a, b].map(|at| numbers(&model.evaluate(&at).unwrap().0));
         for (i, ((name, a_value), (_, b_value))) in a_outputs.into_iter().zip(b_outputs).enumerate() {
             assert!((a_value - b_value).abs() <= 2e-6 * scales[i], "{name}: {a_value} at {a}, {b_value} at {b}");
         }
     };
     for speed in [0.15, 0.2, 0.3] {
         let touch = 1e6 * model().first_touch(speed).unwrap();
-        close(inputs(touch - 1e-6, speed), inputs(touch + 1e-6, speed));
+        close(model(), inputs(touch - 1e-6, speed), inputs(touch + 1e-6, speed));
     }
-    for micron in [-4.0, 18.0] {
-        for speed in [0.15, 0.0, -0.15] {
-            close(inputs(micron, speed - 1e-9), inputs(micron, speed + 1e-9));
+    let slowest = resting().slowest_line();
+    for speed in [0.0, 0.5 * slowest, 0.01] {
+        let touch = 1e6 * resting().first_touch(speed).unwrap();
+        // Towards rest the load at first touch vanishes, and ratios to it are steep.
+        close(resting(), inputs(touch - 1e-11, speed), inputs(touch + 1e-11, speed));
+    }
+    for micron in [-2.0, 8.0] {
+        for speed in [slowest, 0.0, -slowest] {
+            close(resting(), inputs(micron, speed - 1e-15), inputs(micron, speed + 1e-15));
         }
     }
 }
@@ -155,6 +213,7 @@ fn what_it_does_not_cover_is_refused_with_what_it_covers() {
         (inputs(20.1, 0.2), "penetration_depth = 0.0000201 is not allowed: a number from -6e-6 to 2e-5 m"),
         (inputs(f64::NAN, 0.2), "penetration_depth = NaN is not allowed"),
         (inputs(0.0, -0.41), "sliding_speed = -0.41 is not allowed: a number from -0.4 to 0.4 m/s"),
+        (inputs(0.0, 0.1), "sliding_speed = 0.1 is not allowed: 0.15 m/s or more either way"),
         (
             Inputs { slide_to_roll_ratio: 0.1, ..inputs(0.0, 0.2) },
             "slide_to_roll_ratio = 0.1 is not allowed: 0, the one",
@@ -163,7 +222,7 @@ fn what_it_does_not_cover_is_refused_with_what_it_covers() {
         let message = model().evaluate(&at).unwrap_err().to_string();
         assert!(message.starts_with(expected) && message.contains("reduced model"), "{message}");
     }
-    for range in [Range { depths: [1e-6, 0.0], ..RANGE }, Range { speeds: [0.0, 0.1], ..RANGE }] {
+    for range in [Range { depths: [1e-6, 0.0], ..RANGE }, Range { speeds: [-0.1, 0.1], ..RANGE }] {
         assert!(ReducedModel::build(&parameters(), range, TOLERANCE, 1, &|_| ()).is_err());
     }
 }

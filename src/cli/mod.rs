@@ -38,7 +38,7 @@ Examples:
   cartilage-contact sensitivity --depths 0,10e-6,50e-6
   cartilage-contact gait --peak-load 100
   cartilage-contact package --output CartilageLineContact.fmu
-  cartilage-contact reduce --depths=-20e-6:60e-6 --speeds 0.002:0.5
+  cartilage-contact reduce --depths=-20e-6:60e-6 --speeds 0:0.5 --picture
   cartilage-contact solve --help    (every variable with its unit, default and range)
 
 Exit code: 0 done, 1 failed, 2 wrong usage or a mistake in a case.";

@@ -1,10 +1,11 @@
 //! `cartilage-contact reduce`: FMUs with the real-time model of a case.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use cartilage_contact::reduced::{Progress, Range, ReducedModel, Tolerance};
 
 use super::case::CaseArguments;
+use super::figures::reduced;
 use super::package::{DEFAULT_OUTPUT, package};
 use super::stribeck::progress;
 use super::{Failure, print};
@@ -26,8 +27,8 @@ pub struct Arguments {
     #[arg(long, value_name = "LEAST:MOST", allow_hyphen_values = true, default_value = "-20e-6:60e-6")]
     depths: String,
 
-    /// Slowest and fastest sliding speed in either direction [m/s]; below the slowest the film stays as it is there
-    #[arg(long, value_name = "SLOWEST:FASTEST", default_value = "0.002:0.5")]
+    /// Slowest and fastest sliding speed in either direction [m/s]; 0 for rest and reversals
+    #[arg(long, value_name = "SLOWEST:FASTEST", default_value = "0:0.5")]
     speeds: String,
 
     /// Threads; by default one a processor
@@ -41,6 +42,10 @@ pub struct Arguments {
     /// Where to write the FMU of FMI 2.0; that of FMI 3.0 goes beside it (.fmi3.fmu)
     #[arg(long, value_name = "PATH", default_value = DEFAULT_OUTPUT)]
     output: PathBuf,
+
+    /// Draw the errors: how many states are how far off, and where they are; beside the FMU (_errors.svg, _errors.png)
+    #[arg(long)]
+    picture: bool,
 }
 
 /// Makes the table, says how good it is, and packs it.
@@ -66,8 +71,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "It misses what is asked of it (see --help): on a mesh as coarse as this the film closes element by element.\n"
         }
     };
-    let [fmi2, fmi3] = package(&arguments.library, Some(&model), &arguments.output)?;
-    print(&format!("{model}\n{missed}\nWrote\n  {}\n  {}\n", fmi2.display(), fmi3.display()))
+    let mut written = package(&arguments.library, Some(&model), &arguments.output)?.to_vec();
+    if arguments.picture {
+        written.extend(reduced::save(&beside(&arguments.output), &model, &tolerance)?);
+    }
+    let written: String = written.iter().map(|path| format!("  {}\n", path.display())).collect();
+    print(&format!("{model}\n{missed}\nWrote\n{written}"))
+}
+
+/// Where the picture goes, without an extension.
+fn beside(output: &Path) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    output.with_file_name(format!("{stem}_errors"))
 }
 
 fn pair(flag: &str, text: &str) -> Result<[f64; 2], Failure> {

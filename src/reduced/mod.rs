@@ -4,9 +4,7 @@
 //! A step takes microseconds instead of a tenth of a second. The table is refined until states of the full model between its
 //! own are met; how the interpolation goes along with first touch and the powers of speed is in `table.rs`.
 //!
-//! Reversing the speed mirrors the contact, so only positive speeds are solved. Below the slowest speed of the table the state is
-//! the mean of that speed's and its mirror image, weighted so that it changes linearly from one to the other: load, film and the
-//! amount of contact stay, and the fluid's friction goes through zero with the speed.
+//! Reversing the speed mirrors the contact, so only rest and positive speeds are solved.
 
 mod build;
 mod table;
@@ -28,8 +26,7 @@ use table::{Chart, Grid, Patch, SCALARS, Side, State, mirrored, place, positive}
 pub struct Range {
     /// Least and largest penetration depth [m].
     pub depths: [f64; 2],
-    /// Slowest and fastest speed in either direction [m/s]; the slowest is above 0, and between it and 0 the state hardly
-    /// changes.
+    /// Slowest and fastest speed in either direction [m/s]; with 0 the table goes down to rest and covers reversals.
     pub speeds: [f64; 2],
     /// The one slide-to-roll ratio [1].
     pub slide_to_roll_ratio: f64,
@@ -37,7 +34,7 @@ pub struct Range {
 
 impl Default for Range {
     fn default() -> Self {
-        Self { depths: [-20e-6, 60e-6], speeds: [0.002, 0.5], slide_to_roll_ratio: 0.0 }
+        Self { depths: [-20e-6, 60e-6], speeds: [0.0, 0.5], slide_to_roll_ratio: 0.0 }
     }
 }
 
@@ -45,7 +42,7 @@ impl Range {
     /// Refuses inputs that it does not cover.
     fn check(&self, inputs: &Inputs) -> Result<(), Error> {
         let [least, most] = self.depths;
-        let (fastest, ratio) = (self.speeds[1], self.slide_to_roll_ratio);
+        let ([slowest, fastest], ratio) = (self.speeds, self.slide_to_roll_ratio);
         let refuse = |name, value: f64, allowed| {
             Err(Error::value(
                 name,
@@ -61,11 +58,32 @@ impl Range {
             let allowed = format!("a number from {} to {fastest} m/s", -fastest);
             return refuse("sliding_speed", inputs.sliding_speed, allowed);
         }
+        if inputs.sliding_speed.abs() < slowest {
+            let allowed = format!("{slowest} m/s or more either way");
+            return refuse("sliding_speed", inputs.sliding_speed, allowed);
+        }
         if inputs.slide_to_roll_ratio != ratio {
             return refuse("slide_to_roll_ratio", inputs.slide_to_roll_ratio, format!("{ratio}, the one"));
         }
         Ok(())
     }
+}
+
+/// The errors at one state that a finished table was compared with, relative; see [`Accuracy`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// Penetration depth [m].
+    pub penetration_depth: f64,
+    /// Sliding speed [m/s].
+    pub sliding_speed: f64,
+    /// Whether it is near first touch.
+    pub near_touch: bool,
+    /// Of the load.
+    pub load: f64,
+    /// Of the least film thickness.
+    pub minimum_film_thickness: f64,
+    /// Of the friction coefficient.
+    pub friction_coefficient: f64,
 }
 
 /// Largest and root mean square of an error.
@@ -80,13 +98,16 @@ pub struct Deviation {
 /// How far the table is from the full model, measured at states that it was not made from.
 ///
 /// The error of a profile is its root mean square over the stations. *Near first touch* is within 1/40 of the range of depths. A
-/// film is measured against that in the middle of the contact at first touch where it is thinner.
+/// film is measured against that in the middle of the contact at first touch where it is thinner; at speeds between rest and
+/// [`ReducedModel::slowest_line`], against that at the latter's first touch.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Accuracy {
     /// How many states were compared.
     pub states: usize,
-    /// Of the load, relative.
+    /// Of the load, relative; but for the next.
     pub load: Deviation,
+    /// Of the load near first touch at speeds between rest and [`ReducedModel::slowest_line`], relative.
+    pub load_near_touch_at_rest: Deviation,
     /// Of the least film thickness, relative.
     pub minimum_film_thickness: Deviation,
     /// Of the friction coefficient away from first touch, relative.
@@ -111,6 +132,7 @@ struct Content {
     parameters: Parameters,
     range: Range,
     accuracy: Accuracy,
+    checks: Vec<Check>,
     chart: Chart,
     grids: Vec<Grid>,
 }
@@ -154,6 +176,17 @@ impl ReducedModel {
         &self.content.accuracy
     }
 
+    /// The states that it was compared with, and the errors there.
+    pub fn checks(&self) -> &[Check] {
+        &self.content.checks
+    }
+
+    /// The slowest speed above 0 at which states were solved [m/s]. Between it and rest, the table follows even and odd powers of
+    /// the speed.
+    pub fn slowest_line(&self) -> f64 {
+        self.content.chart.slowest()
+    }
+
     /// Whether the measured error is within a tolerance.
     pub fn keeps(&self, tolerance: &Tolerance) -> bool {
         let Accuracy { load, minimum_film_thickness, friction_coefficient, fluid_pressure, .. } =
@@ -166,7 +199,9 @@ impl ReducedModel {
 
     /// How many solved states it has.
     pub fn states(&self) -> usize {
-        self.content.grids.iter().map(|grid| grid.stations.len() * self.content.chart.log_speeds.len()).sum()
+        let chart = &self.content.chart;
+        let lines = chart.log_speeds.len() + usize::from(chart.rest.is_some());
+        self.content.grids.iter().map(|grid| grid.stations.len() * lines).sum()
     }
 
     /// The fixed stations of the profiles [m], ascending.
@@ -176,11 +211,7 @@ impl ReducedModel {
 
     /// Penetration depth at which the solids first touch at a speed [m]; `None` where that is not in the table.
     pub fn first_touch(&self, sliding_speed: f64) -> Option<f64> {
-        Some(self.content.chart.touch(self.log_speed(sliding_speed))?[0])
-    }
-
-    fn log_speed(&self, sliding_speed: f64) -> f64 {
-        sliding_speed.abs().max(self.content.range.speeds[0]).ln()
+        Some(self.content.chart.touch(sliding_speed.abs())?[0])
     }
 
     /// Outputs, and their derivatives by penetration depth, sliding speed and slide-to-roll ratio.
@@ -192,17 +223,22 @@ impl ReducedModel {
     /// [`Error::Value`] where the table does not cover the inputs, with what it covers.
     pub fn evaluate(&self, inputs: &Inputs) -> Result<(Outputs, [Outputs; 3]), Error> {
         self.content.range.check(inputs)?;
+        let (mut state, side) = self.state(inputs.penetration_depth, inputs.sliding_speed.abs())?;
+        if inputs.sliding_speed < 0.0 {
+            state = state.map(|values| mirrored(&values));
+            state[2] = state[2].map(|by_speed| -by_speed);
+        }
+        Ok(self.outputs(inputs, &state, side))
+    }
+
+    /// What is interpolated at a depth and a speed of 0 or more, and on which side of first touch that is.
+    fn state(&self, depth: f64, speed: f64) -> Result<(State, Side), Error> {
         let chart = &self.content.chart;
-        let speed = inputs.sliding_speed;
-        let slowest = self.content.range.speeds[0];
-        let log_speed = self.log_speed(speed);
-        let (side, station) = chart.station(self.patches[0].side, inputs.penetration_depth, log_speed);
+        let (side, station) = chart.station(self.patches[0].side, depth, speed);
         let Some(patch) = self.patches.iter().find(|patch| patch.side == side) else {
             return Err(Error::State("the reduced model has no states there".into()));
         };
-        let state = patch.state(chart, station, log_speed);
-        let state = if speed < slowest { towards_reverse(&state, speed, slowest) } else { state };
-        Ok(self.outputs(inputs, &state, side))
+        Ok((patch.state(chart, station, speed), side))
     }
 
     /// Outputs and derivatives from what is interpolated.
@@ -282,38 +318,20 @@ impl ReducedModel {
     }
 }
 
-/// The state at a speed below the slowest one, from the state at that one.
-fn towards_reverse(state: &State, speed: f64, slowest: f64) -> State {
-    let mirror = mirrored(state);
-    let weight = (speed / slowest).max(-1.0);
-    let mut result = *state;
-    for (k, values) in result.iter_mut().enumerate() {
-        for (q, value) in values.iter_mut().enumerate() {
-            *value = match k {
-                2 if weight == -1.0 => -mirror[2][q],
-                2 => (state[0][q] - mirror[0][q]) / (2.0 * slowest),
-                _ => 0.5 * ((1.0 + weight) * *value + (1.0 - weight) * mirror[k][q]),
-            };
-        }
-    }
-    result
-}
-
 /// What it covers and its measured error, in a line.
 impl std::fmt::Display for ReducedModel {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (Content { range, accuracy, .. }, percent) = (&self.content, |d: Deviation| 100.0 * d.largest);
         write!(
             f,
-            "reduced model of {} states: penetration_depth {:e} to {:e} m, sliding_speed up to {} m/s either way (below {} m/s \
-             the film is that at {} m/s), slide_to_roll_ratio {}; largest errors at {} other states: load {:.2} %, minimum film \
+            "reduced model of {} states: penetration_depth {:e} to {:e} m, sliding_speed {} to {} m/s either way, \
+             slide_to_roll_ratio {}; largest errors at {} other states: load {:.2} %, minimum film \
              thickness {:.2} %, friction coefficient {:.2} %, {:.0} % near first touch; pressure profile {:.1} % of its maximum",
             self.states(),
             range.depths[0],
             range.depths[1],
+            range.speeds[0],
             range.speeds[1],
-            range.speeds[0],
-            range.speeds[0],
             range.slide_to_roll_ratio,
             accuracy.states,
             percent(accuracy.load),
@@ -321,7 +339,12 @@ impl std::fmt::Display for ReducedModel {
             percent(accuracy.friction_coefficient),
             percent(accuracy.friction_coefficient_near_touch),
             percent(accuracy.fluid_pressure),
-        )
+        )?;
+        if range.speeds[0] > 0.0 {
+            return Ok(());
+        }
+        let slow = percent(accuracy.load_near_touch_at_rest);
+        write!(f, "; load near first touch below {:.1e} m/s {slow:.0} %", self.slowest_line())
     }
 }
 

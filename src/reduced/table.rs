@@ -10,6 +10,16 @@
 //!
 //! Quantities that are positive in all states are interpolated as logarithms. Slopes by d and U are the tangents of
 //! the full model; mixed second derivatives are differences of those.
+//!
+//! Between rest and the slowest line, U_s, ln U is of no use. With U and x reversed a state is its mirror image, so what is kept by
+//! that changes with even powers of U, and what changes sign with odd ones. With w = U/U_s,
+//!
+//! ```text
+//! even  q = q_0 + a w^2 + b w^4      odd  q = a w + b w^3
+//! ```
+//!
+//! in which q_0 is the state at rest, and a and b follow from value and slope at U_s; first touch is even. Extrema of fields that
+//! vanish at rest have a kink there, q = q_0 + a |w| + b w^2.
 
 use serde::{Deserialize, Serialize};
 
@@ -80,15 +90,15 @@ pub fn primitives(outputs: &Outputs, boundary_friction: f64, width: f64) -> [f64
     std::array::from_fn(|_| all.next().copied().unwrap_or(0.0))
 }
 
-/// The state with x and U reversed; the derivative by U is then that by the reversed speed.
-pub fn mirrored(state: &State) -> State {
-    let mut result = *state;
-    for values in &mut result {
-        for place in [place::UPPER_FRICTION, place::LOWER_FRICTION, place::MINIMUM_FILM_POSITION] {
-            values[place] = -values[place];
-        }
-        values[SCALARS..].chunks_exact_mut(STATIONS).for_each(<[f64]>::reverse);
+/// The quantities, or a derivative of them, with x and U reversed. In contact the place of the least film is the first place that
+/// touches, the last one in the mirror.
+pub fn mirrored(values: &[f64; QUANTITIES]) -> [f64; QUANTITIES] {
+    let mut result = *values;
+    for place in [place::UPPER_FRICTION, place::LOWER_FRICTION] {
+        result[place] = -values[place];
     }
+    result[place::MINIMUM_FILM_POSITION] = -(values[place::MINIMUM_FILM_POSITION] + values[place::CONTACT_LENGTH]);
+    result[SCALARS..].chunks_exact_mut(STATIONS).for_each(<[f64]>::reverse);
     result
 }
 
@@ -137,6 +147,22 @@ impl Cubic {
     }
 }
 
+/// How a quantity between rest and the slowest line depends on the change from rest to that line and on its slope there, by w:
+/// weights of both for the value, and for its derivative by w.
+type Shares = [[f64; 2]; 2];
+
+fn even(w: f64) -> Shares {
+    [[w * w * (2.0 - w * w), 0.5 * w * w * (w * w - 1.0)], [4.0 * w * (1.0 - w * w), w * (2.0 * w * w - 1.0)]]
+}
+
+fn odd(w: f64) -> Shares {
+    [[0.5 * w * (3.0 - w * w), 0.5 * w * (w * w - 1.0)], [1.5 * (1.0 - w * w), 0.5 * (3.0 * w * w - 1.0)]]
+}
+
+fn kinked(w: f64) -> Shares {
+    [[w * (2.0 - w), w * (w - 1.0)], [2.0 * (1.0 - w), 2.0 * w - 1.0]]
+}
+
 /// Which part of the plane of depth and speed a patch covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Side {
@@ -155,62 +181,88 @@ pub struct Chart {
     pub log_speeds: Vec<f64>,
     /// Depth of first touch on those lines [m]; empty where the patch covers all depths.
     pub touch: Vec<f64>,
+    /// The same at rest (0 where the patch covers all depths), in a table that goes down to rest.
+    pub rest: Option<f64>,
 }
 
-/// A depth, and its derivatives by the coordinate s and by ln U.
+/// A depth, and its derivatives by the coordinate s and by U.
 #[derive(Clone, Copy)]
 pub struct Depth {
     /// The depth [m].
     pub value: f64,
     /// By s [m].
     pub by_station: f64,
-    /// By ln U, s being kept [m].
-    pub by_log_speed: f64,
+    /// By U, s being kept [s].
+    pub by_speed: f64,
 }
 
 impl Chart {
-    /// Depth of first touch and its derivative by ln U; `None` where it is not in the table.
-    pub fn touch(&self, log_speed: f64) -> Option<[f64; 2]> {
+    /// The speed of the slowest line [m/s].
+    pub fn slowest(&self) -> f64 {
+        self.log_speeds[0].exp()
+    }
+
+    /// Slope by ln U on a line, of what has the values `y` on the lines: that of a parabola, in U where it goes on to rest.
+    fn slope(&self, rest: Option<f64>, y: impl Fn(usize) -> f64, line: usize) -> f64 {
+        match rest {
+            Some(rest) if line == 0 => {
+                let speeds = [0.0, self.slowest(), self.log_speeds[1].exp()];
+                speeds[1] * slope(&speeds, |k| if k == 0 { rest } else { y(k - 1) }, 1)
+            }
+            _ => slope(&self.log_speeds, y, line),
+        }
+    }
+
+    /// The part of the way from rest to the slowest line at a speed, where it is between them; and first touch at rest.
+    fn near_rest(&self, speed: f64) -> Option<(f64, f64)> {
+        self.rest.filter(|_| speed < self.slowest()).map(|touch| (speed / self.slowest(), touch))
+    }
+
+    /// Depth of first touch at a speed of 0 or more and its derivative by U; `None` where it is not in the table.
+    pub fn touch(&self, speed: f64) -> Option<[f64; 2]> {
         if self.touch.is_empty() {
             return None;
         }
-        let cubic = Cubic::at(&self.log_speeds, log_speed);
-        let mut result = [0.0; 2];
+        let near_rest = self.near_rest(speed);
+        let cubic = Cubic::at(&self.log_speeds, near_rest.map_or(speed.ln(), |_| self.log_speeds[0]));
+        let (mut value, mut by_log_speed) = (0.0, 0.0);
         for end in 0..2 {
             let i = cubic.first + end;
-            let slope = slope(&self.log_speeds, |k| self.touch[k], i);
-            result[0] += cubic.value[end][0] * self.touch[i] + cubic.value[end][1] * slope;
-            result[1] += cubic.slope[end][0] * self.touch[i] + cubic.slope[end][1] * slope;
+            let slope = self.slope(self.rest, |k| self.touch[k], i);
+            value += cubic.value[end][0] * self.touch[i] + cubic.value[end][1] * slope;
+            by_log_speed += cubic.slope[end][0] * self.touch[i] + cubic.slope[end][1] * slope;
         }
-        Some(result)
+        let Some((w, rest)) = near_rest else {
+            return Some([value, by_log_speed / speed]);
+        };
+        let [along, slope] = even(w).map(|[change, slope]| change * (value - rest) + slope * by_log_speed);
+        Some([rest + along, slope / self.slowest()])
     }
 
     /// The depth at a place of a patch.
-    pub fn depth(&self, side: Side, station: f64, log_speed: f64) -> Depth {
+    pub fn depth(&self, side: Side, station: f64, speed: f64) -> Depth {
         let [least, most] = self.depths;
-        match (side, self.touch(log_speed)) {
-            (_, None) => Depth { value: least + station * (most - least), by_station: most - least, by_log_speed: 0.0 },
-            (Side::Film, Some([touch, slope])) => Depth {
-                value: least + station * (touch - least),
-                by_station: touch - least,
-                by_log_speed: station * slope,
-            },
+        match (side, self.touch(speed)) {
+            (_, None) => Depth { value: least + station * (most - least), by_station: most - least, by_speed: 0.0 },
+            (Side::Film, Some([touch, slope])) => {
+                Depth { value: least + station * (touch - least), by_station: touch - least, by_speed: station * slope }
+            }
             (Side::Contact, Some([touch, slope])) => Depth {
                 value: touch + station * (most - touch),
                 by_station: most - touch,
-                by_log_speed: (1.0 - station) * slope,
+                by_speed: (1.0 - station) * slope,
             },
         }
     }
 
     /// On which side a depth is, and where there.
-    pub fn station(&self, only: Side, depth: f64, log_speed: f64) -> (Side, f64) {
-        let side = match self.touch(log_speed) {
+    pub fn station(&self, only: Side, depth: f64, speed: f64) -> (Side, f64) {
+        let side = match self.touch(speed) {
             None => only,
             Some([touch, _]) if depth <= touch => Side::Film,
             Some(_) => Side::Contact,
         };
-        let start = self.depth(side, 0.0, log_speed);
+        let start = self.depth(side, 0.0, speed);
         (side, (depth - start.value) / start.by_station)
     }
 }
@@ -224,6 +276,8 @@ pub struct Grid {
     pub stations: Vec<f64>,
     /// Speed by speed and station by station: quantities, and their derivatives by depth, speed and slide-to-roll ratio.
     pub states: Vec<f32>,
+    /// The same at rest, station by station, in a table that goes down to rest.
+    pub rest: Vec<f32>,
 }
 
 /// Values in a state's block.
@@ -232,7 +286,10 @@ const BLOCK: usize = 4 * QUANTITIES;
 impl Grid {
     /// Whether there are as many numbers as the grid needs.
     pub fn fits(&self, chart: &Chart) -> bool {
-        self.stations.len() >= 2 && self.states.len() == self.stations.len() * chart.log_speeds.len() * BLOCK
+        let line = self.stations.len() * BLOCK;
+        self.stations.len() >= 2
+            && self.states.len() == line * chart.log_speeds.len()
+            && self.rest.len() == line * usize::from(chart.rest.is_some())
     }
 
     /// Which of the stations is first touch.
@@ -242,7 +299,7 @@ impl Grid {
     }
 }
 
-/// The scalars that are positive in all states, on both sides.
+/// The scalars that are positive in all moving states, on both sides.
 pub fn positive(grids: &[Grid]) -> [bool; SCALARS] {
     let states = grids.iter().flat_map(|grid| grid.states.chunks_exact(BLOCK));
     std::array::from_fn(|q| states.clone().all(|state| state[q].is_normal() && state[q] > 0.0))
@@ -260,7 +317,12 @@ pub struct Patch {
     nodes: Vec<f32>,
     /// Derivatives by the slide-to-roll ratio.
     by_ratio: Vec<f32>,
+    /// At rest: quantities, and their derivatives by s and by the slide-to-roll ratio.
+    rest: Vec<f32>,
 }
+
+/// Quantities, their derivatives by s, by ln U and by both, and by the slide-to-roll ratio.
+type Local = [[f64; QUANTITIES]; 5];
 
 impl Patch {
     /// From the states of a grid, which fits the chart; with which scalars are interpolated as logarithms.
@@ -269,21 +331,23 @@ impl Patch {
         let mut nodes = vec![0.0; grid.states.len()];
         for (index, (node, state)) in nodes.chunks_exact_mut(BLOCK).zip(grid.states.chunks_exact(BLOCK)).enumerate() {
             let log_speed = chart.log_speeds[index / columns];
-            let depth = chart.depth(grid.side, grid.stations[index % columns], log_speed);
+            let speed = log_speed.exp();
+            let depth = chart.depth(grid.side, grid.stations[index % columns], speed);
             for q in 0..QUANTITIES {
                 let [value, by_depth, by_speed] = [0, 1, 2].map(|k| f64::from(state[k * QUANTITIES + q]));
                 let logarithmic = q < SCALARS && logarithmic[q];
                 let scale = if logarithmic { 1.0 / value } else { 1.0 };
                 node[q] = if logarithmic { value.ln() } else { value } as f32;
                 node[QUANTITIES + q] = (scale * by_depth * depth.by_station) as f32;
-                node[2 * QUANTITIES + q] =
-                    (scale * (by_speed * log_speed.exp() + by_depth * depth.by_log_speed)) as f32;
+                node[2 * QUANTITIES + q] = (scale * speed * (by_speed + by_depth * depth.by_speed)) as f32;
             }
         }
         let at = |nodes: &[f32], line: usize, column: usize, k: usize, q: usize| {
             f64::from(nodes[(line * columns + column) * BLOCK + k * QUANTITIES + q])
         };
+        let rest = Self::at_rest(grid, chart);
         for q in 0..QUANTITIES {
+            let has_rest = chart.rest.is_some() && !(q < SCALARS && logarithmic[q]);
             for index in 0..nodes.len() / BLOCK {
                 let (line, column) = (index / columns, index % columns);
                 let hops = HOPPING.contains(&q);
@@ -293,7 +357,8 @@ impl Patch {
                 }
                 // Along first touch both sides have the same values, and so they get the same slopes.
                 if hops || Some(column) == grid.touch_column(chart) {
-                    let by_log_speed = slope(&chart.log_speeds, |k| at(&nodes, k, column, 0, q), line);
+                    let at_rest = has_rest.then(|| f64::from(rest[column * 3 * QUANTITIES + q]));
+                    let by_log_speed = chart.slope(at_rest, |k| at(&nodes, k, column, 0, q), line);
                     nodes[index * BLOCK + 2 * QUANTITIES + q] = by_log_speed as f32;
                 }
             }
@@ -308,21 +373,65 @@ impl Patch {
             }
         }
         let by_ratio = grid.states.chunks_exact(BLOCK).flat_map(|s| s[3 * QUANTITIES..].iter().copied()).collect();
-        Self { side: grid.side, stations: grid.stations.clone(), logarithmic, nodes, by_ratio }
+        Self { side: grid.side, stations: grid.stations.clone(), logarithmic, nodes, by_ratio, rest }
     }
 
-    /// The state at a station and a speed.
-    pub fn state(&self, chart: &Chart, station: f64, log_speed: f64) -> State {
+    /// The nodes at rest. A state at rest is its own mirror image.
+    fn at_rest(grid: &Grid, chart: &Chart) -> Vec<f32> {
+        let by_station = chart.depth(grid.side, 0.0, 0.0).by_station;
+        let mut nodes = Vec::with_capacity(3 * grid.rest.len() / 4);
+        for state in grid.rest.chunks_exact(BLOCK) {
+            for (kind, scale) in [(0, 1.0), (1, by_station), (3, 1.0)] {
+                let values: [f64; QUANTITIES] = std::array::from_fn(|q| f64::from(state[kind * QUANTITIES + q]));
+                let mirror = mirrored(&values);
+                // The ratio keeps its sign, as the quantities do.
+                nodes.extend(values.iter().zip(mirror).map(|(a, b)| (0.5 * scale * (a + b)) as f32));
+            }
+        }
+        let at = |nodes: &[f32], column: usize, q: usize| f64::from(nodes[column * 3 * QUANTITIES + q]);
+        for column in 0..grid.rest.len() / BLOCK {
+            for q in HOPPING {
+                nodes[(column * 3 + 1) * QUANTITIES + q] = slope(&grid.stations, |k| at(&nodes, k, q), column) as f32;
+            }
+        }
+        nodes
+    }
+
+    /// The state at a station and a speed of 0 or more.
+    pub fn state(&self, chart: &Chart, station: f64, speed: f64) -> State {
+        let [mut values, by_station, mut by_speed, mut by_ratio] = match chart.near_rest(speed) {
+            Some((w, _)) => {
+                self.near_rest(station, self.between(chart, station, chart.log_speeds[0]), w, chart.slowest())
+            }
+            None => {
+                let [values, by_station, by_log_speed, _, by_ratio] = self.between(chart, station, speed.ln());
+                [values, by_station, by_log_speed.map(|slope| slope / speed), by_ratio]
+            }
+        };
+        let depth = chart.depth(self.side, station, speed);
+        let mut by_depth = by_station.map(|slope| slope / depth.by_station);
+        for q in 0..QUANTITIES {
+            by_speed[q] -= by_depth[q] * depth.by_speed;
+            if NEVER_NEGATIVE[q] && values[q] < 0.0 {
+                [values[q], by_depth[q], by_speed[q], by_ratio[q]] = [0.0; 4];
+            }
+        }
+        [values, by_depth, by_speed, by_ratio]
+    }
+
+    /// Between the lines of the speeds.
+    fn between(&self, chart: &Chart, station: f64, log_speed: f64) -> Local {
         let (s, u) = (Cubic::at(&self.stations, station), Cubic::at(&chart.log_speeds, log_speed));
-        let mut state = [[0.0; QUANTITIES]; 4];
+        let mut local = [[0.0; QUANTITIES]; 5];
         for (line, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let index = (u.first + line) * self.stations.len() + s.first + column;
             let node = &self.nodes[index * BLOCK..(index + 1) * BLOCK];
             for (kind, values) in node.chunks_exact(QUANTITIES).enumerate() {
                 let (along, across) = (kind % 2, kind / 2);
-                let (in_s, in_u) = (s.value[column][along], u.value[line][across]);
-                let weights = [in_s * in_u, s.slope[column][along] * in_u, in_s * u.slope[line][across]];
-                for (sums, weight) in state.iter_mut().zip(weights) {
+                let (s_value, s_slope) = (s.value[column][along], s.slope[column][along]);
+                let (u_value, u_slope) = (u.value[line][across], u.slope[line][across]);
+                let weights = [s_value * u_value, s_slope * u_value, s_value * u_slope, s_slope * u_slope];
+                for (sums, weight) in local.iter_mut().zip(weights) {
                     sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * f64::from(*value));
                 }
             }
@@ -330,26 +439,58 @@ impl Patch {
             let share = |fraction: f64, end: usize| if end == 0 { 1.0 - fraction } else { fraction };
             let weight = share(u.fraction, line) * share(s.fraction, column);
             let values = &self.by_ratio[index * QUANTITIES..(index + 1) * QUANTITIES];
-            state[3].iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * f64::from(*value));
+            local[4].iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * f64::from(*value));
         }
-        let depth = chart.depth(self.side, station, log_speed);
-        let speed = log_speed.exp();
-        let [values, by_depth, by_speed, by_ratio] = &mut state;
+        for q in (0..SCALARS).filter(|q| self.logarithmic[*q]) {
+            let [value, by_station, by_log_speed, by_both, _] = local.map(|kind| kind[q]);
+            let value = value.exp();
+            local[0][q] = value;
+            local[1][q] = value * by_station;
+            local[2][q] = value * by_log_speed;
+            local[3][q] = value * (by_both + by_station * by_log_speed);
+        }
+        local
+    }
+
+    /// Between rest and the slowest line, from what is interpolated on that line.
+    fn near_rest(&self, station: f64, line: Local, w: f64, slowest: f64) -> State {
+        let s = Cubic::at(&self.stations, station);
+        let mut rest = [[0.0; QUANTITIES]; 3];
+        for column in 0..2 {
+            let node = &self.rest[(s.first + column) * 3 * QUANTITIES..][..3 * QUANTITIES];
+            for q in 0..QUANTITIES {
+                let [value, by_station, by_ratio] = [0, 1, 2].map(|kind| f64::from(node[kind * QUANTITIES + q]));
+                rest[0][q] += s.value[column][0] * value + s.value[column][1] * by_station;
+                rest[1][q] += s.slope[column][0] * value + s.slope[column][1] * by_station;
+                rest[2][q] += by_ratio * if column == 0 { 1.0 - s.fraction } else { s.fraction };
+            }
+        }
+        let mirror = line.map(|kind| mirrored(&kind));
+        let (even, odd, kinked) = (even(w), odd(w), kinked(w));
+        let mut state = [[0.0; QUANTITIES]; 4];
         for q in 0..QUANTITIES {
-            if q < SCALARS && self.logarithmic[q] {
-                values[q] = values[q].exp();
-                by_depth[q] *= values[q];
-                by_speed[q] *= values[q];
-            }
-            by_depth[q] /= depth.by_station;
-            by_speed[q] = (by_speed[q] - by_depth[q] * depth.by_log_speed) / speed;
-            if NEVER_NEGATIVE[q] && values[q] < 0.0 {
-                [values[q], by_depth[q], by_speed[q], by_ratio[q]] = [0.0; 4];
-            }
+            let shares = if KINKED.contains(&q) { kinked } else { even };
+            let kept = |kind: usize| 0.5 * (line[kind][q] + mirror[kind][q]);
+            let reversed = |kind: usize| 0.5 * (line[kind][q] - mirror[kind][q]);
+            let blend = |kind: usize, derivative: usize| {
+                let ([change, slope], [end, end_slope]) = (shares[derivative], odd[derivative]);
+                change * (kept(kind) - rest[kind][q])
+                    + slope * kept(kind + 2)
+                    + end * reversed(kind)
+                    + end_slope * reversed(kind + 2)
+            };
+            state[0][q] = rest[0][q] + blend(0, 0);
+            state[1][q] = rest[1][q] + blend(1, 0);
+            state[2][q] = blend(0, 1) / slowest;
+            state[3][q] = rest[2][q] + w * w * (kept(4) - rest[2][q]) + w * reversed(4);
         }
         state
     }
 }
+
+/// Largest and smallest values of fields that vanish at rest, and what leaves the tissue on one side: they change with |U|.
+const KINKED: [usize; 4] =
+    [place::MAXIMUM_FLUID_PRESSURE, place::MINIMUM_FLUID_PRESSURE, place::VON_MISES, place::EXUDATION];
 
 /// Extrema and lengths: with the state they hop from one element of the mesh to the next, and their tangents are those between two
 /// hops. Differences between states serve better as slopes.
@@ -415,15 +556,29 @@ mod tests {
 
     #[test]
     fn depths_and_stations_are_inverse_and_their_derivatives_agree() {
-        let chart = Chart { depths: [-2.0, 6.0], log_speeds: vec![0.0, 1.0, 2.5], touch: vec![0.2, 1.0, 3.0] };
-        for (side, s) in [(Side::Film, 0.0), (Side::Film, 0.4), (Side::Contact, 0.1), (Side::Contact, 1.0)] {
-            let u = 1.3;
+        let (log_speeds, touch) = (vec![0.0, 1.0, 2.5], vec![0.2, 1.0, 3.0]);
+        let chart = Chart { depths: [-2.0, 6.0], log_speeds, touch, rest: Some(0.1) };
+        let sides = [(Side::Film, 0.0), (Side::Film, 0.4), (Side::Contact, 0.1), (Side::Contact, 1.0)];
+        for ((side, s), u) in sides.into_iter().flat_map(|place| [3.7, 0.6].map(|u| (place, u))) {
             let depth = chart.depth(side, s, u);
             let (found, station) = chart.station(Side::Film, depth.value, u);
             assert!(found == side && (station - s).abs() < 1e-12);
             let difference = |du: f64, ds: f64| chart.depth(side, s + ds, u + du).value;
             assert!((depth.by_station - (difference(0.0, 1e-6) - difference(0.0, -1e-6)) / 2e-6).abs() < 1e-8);
-            assert!((depth.by_log_speed - (difference(1e-6, 0.0) - difference(-1e-6, 0.0)) / 2e-6).abs() < 1e-8);
+            assert!((depth.by_speed - (difference(1e-6, 0.0) - difference(-1e-6, 0.0)) / 2e-6).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn between_rest_and_the_slowest_line_values_and_slopes_are_met() {
+        for (shares, power) in [(even as fn(f64) -> Shares, 2), (even, 4), (odd, 1), (odd, 3), (kinked, 1), (kinked, 2)]
+        {
+            // w^n changes by 1 from rest to the line, where its slope is n.
+            for w in [0.0, 0.3, 1.0] {
+                let [value, slope] = shares(w).map(|[change, slope]| change + slope * f64::from(power));
+                assert!((value - w.powi(power)).abs() < 1e-12);
+                assert!((slope - f64::from(power) * w.powi(power - 1)).abs() < 1e-12);
+            }
         }
     }
 }

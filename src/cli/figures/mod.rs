@@ -7,5 +7,6 @@ pub mod fields;
 pub mod gait;
 mod panel;
 pub mod press_and_release;
+pub mod reduced;
 pub mod stribeck;
 pub mod tornado;

@@ -68,6 +68,13 @@ pub struct Panel {
     pub lines: Vec<Line>,
 }
 
+impl Panel {
+    /// Where a point of the plot lies within a frame; `None` where an axis cannot show it.
+    pub fn place(&self, (left, top, right, bottom): Frame, x: f64, y: f64) -> Option<(f64, f64)> {
+        Some((left + self.x.place(x)? * (right - left), bottom - self.y.place(y)? * (bottom - top)))
+    }
+}
+
 /// A rectangle in points: left, top, right, bottom.
 pub type Frame = (f64, f64, f64, f64);
 

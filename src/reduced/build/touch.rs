@@ -1,0 +1,105 @@
+//! First touch: the depth at which the film first closes at a speed.
+
+use super::super::table::place;
+use super::{Builder, Sample};
+use crate::error::Error;
+use crate::parameters::Inputs;
+
+/// First touch is found to this share of the range of depths.
+const TOUCH_PRECISION: f64 = 1e-4;
+
+/// Where the film first closes at one speed: the last state without contact, the first one with.
+pub(super) struct Touch {
+    pub(super) apart: Sample,
+    pub(super) touching: Sample,
+}
+
+impl Touch {
+    pub(super) fn depth(&self) -> f64 {
+        0.5 * (self.apart.inputs.penetration_depth + self.touching.inputs.penetration_depth)
+    }
+}
+
+impl Builder<'_> {
+    /// Finds first touch at these speeds: by Newton's method on the least film thickness, and by halving.
+    pub(super) fn find_touches(&mut self, log_speeds: &[f64], guess: f64) -> Result<(), Error> {
+        let span = self.range.depths[1] - self.range.depths[0];
+        let limits = [self.range.depths[0] - span, self.range.depths[1] + span];
+        let precision = TOUCH_PRECISION * span;
+        let known = self.chart().filter(|chart| !chart.touch.is_empty());
+        let mut searches: Vec<Search> = log_speeds
+            .iter()
+            .filter(|u| !self.touches.contains_key(&u.to_bits()))
+            .map(|&log_speed| {
+                let near = known.as_ref().and_then(|chart| chart.touch(log_speed.exp()));
+                let next = near.map_or(guess, |[depth, _]| depth - precision);
+                Search { log_speed, apart: None, touching: None, next: Some(next), stride: 8.0 * precision }
+            })
+            .collect();
+        loop {
+            let trials: Vec<(usize, f64)> =
+                searches.iter().enumerate().filter_map(|(i, search)| Some((i, search.next?))).collect();
+            if trials.is_empty() {
+                break;
+            }
+            let points: Vec<Inputs> =
+                trials.iter().map(|(i, depth)| self.inputs(*depth, searches[*i].log_speed)).collect();
+            for ((i, _), sample) in trials.into_iter().zip(self.solve(&points)?) {
+                searches[i].learn(sample, precision, limits);
+            }
+        }
+        for search in searches {
+            if let (Some(apart), Some(touching)) = (search.apart, search.touching) {
+                self.touches.insert(search.log_speed.to_bits(), Touch { apart, touching });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A speed on the way to first touch.
+struct Search {
+    log_speed: f64,
+    apart: Option<Sample>,
+    touching: Option<Sample>,
+    /// The next depth to try; `None` when it is done.
+    next: Option<f64>,
+    stride: f64,
+}
+
+impl Search {
+    fn learn(&mut self, sample: Sample, precision: f64, limits: [f64; 2]) {
+        let depth = |sample: &Sample| sample.inputs.penetration_depth;
+        if sample.touching {
+            self.touching = Some(sample);
+        } else {
+            self.apart = Some(sample);
+        }
+        self.next = match (&self.apart, &self.touching) {
+            (Some(apart), Some(touching)) if depth(touching) - depth(apart) <= precision => None,
+            (Some(apart), Some(touching)) => {
+                let (a, b) = (depth(apart), depth(touching));
+                let inside = apart.closing().map(|depth| depth + 0.4 * precision).filter(|d| *d < b - 0.2 * precision);
+                Some(inside.unwrap_or(0.5 * (a + b)))
+            }
+            (Some(apart), None) => {
+                self.stride *= 2.0;
+                let beyond = apart.closing().unwrap_or(depth(apart)).max(depth(apart)) + 0.4 * precision;
+                Some(beyond.max(depth(apart) + precision).min(limits[1])).filter(|_| depth(apart) < limits[1])
+            }
+            (None, Some(touching)) => {
+                self.stride *= 2.0;
+                Some((depth(touching) - self.stride).max(limits[0])).filter(|_| depth(touching) > limits[0])
+            }
+            (None, None) => None,
+        };
+    }
+}
+
+impl Sample {
+    /// Where the film closes on its tangent.
+    fn closing(&self) -> Option<f64> {
+        let [film, slope] = [0, 1].map(|k| self.state[k][place::MINIMUM_FILM]);
+        (slope < 0.0).then(|| self.inputs.penetration_depth - film / slope)
+    }
+}
