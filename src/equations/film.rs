@@ -208,16 +208,16 @@ impl Film {
             let flux = reynolds_flux(gap, sum(&slope, &at[3..]), sliding_speed, self.viscosity);
             let void = flow.upstream.map_or(Void::default(), |up| Void::carried(gap.max(0.0), at[up], at[6 + up]));
             let value = flux.value - 0.5 * sliding_speed * void.value;
-            let by_gap = flux.by_film_thickness - 0.5 * sliding_speed * void.by_gap;
+            let by_gap = flux.by_film_thickness - if gap > 0.0 { 0.5 * sliding_speed * void.by_gap } else { 0.0 };
             let weight = length * flow.share * density;
             for a in 0..3 {
                 let weight = -weight * slope[a];
                 terms.residual[a] += weight * value;
                 terms.by_speed[a] += weight * (flux.by_sliding_speed - 0.5 * void.value);
-                for b in 0..3 {
+                for (b, slope) in slope.into_iter().enumerate() {
                     terms.tangent[a][b] += weight * by_gap * flow.gap[b];
                     terms.tangent[a][3 + b] +=
-                        weight * (flux.by_pressure_gradient * slope[b] + value * chi * flow.pressure[b]);
+                        weight * (flux.by_pressure_gradient * slope + value * chi * flow.pressure[b]);
                 }
                 if let Some(up) = flow.upstream {
                     terms.tangent[a][up] -= weight * 0.5 * sliding_speed * void.by_upstream_gap;

@@ -107,7 +107,11 @@ impl ReducedModel {
         parameters.validate()?;
         check(&range)?;
         if parameters.cavitation {
-            return Err(Error::value("cavitation", true, "false: a reduced model has no torn film; fidelity = full has"));
+            return Err(Error::value(
+                "cavitation",
+                true,
+                "false: a reduced model has no torn film; fidelity = full has",
+            ));
         }
         let [slowest, fastest] = first_lines(&range);
         let last = (FIRST_SPEEDS - 1) as f64;
