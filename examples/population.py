@@ -19,8 +19,8 @@ Drawn uniformly, permeability and viscosity in their logarithms; both layers of 
 
 | quantity | range | source |
 |---|---|---|
-| aggregate modulus | 0.48 to 1.58 MPa, Poisson's ratio 0 to 0.10 | human tibial plateau, PMC2858459; Athanasiou et al. 1991 |
-| hydraulic permeability | 1.18e-15 to 7.6e-15 m4/(N s) | Athanasiou et al. 1991; published biphasic test case |
+| aggregate modulus | 0.48 to 1.58 MPa, Poisson's ratio 0 to 0.10 | human tibial plateau, PMC2858459; Athanasiou et al. 1991 as later papers quote it |
+| hydraulic permeability | 1.18e-15 to 7.6e-15 m4/(N s) | Athanasiou et al. 1991 as later papers quote it; published biphasic test case |
 | thickness | 1.78 to 2.3 mm | as permeability |
 | viscosity | 1e-3 to 1e-2 Pa s | assumed: water to synovial fluid at the high shear of a thin film |
 """

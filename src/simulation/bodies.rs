@@ -354,6 +354,7 @@ impl newton::Problem for Balance<'_> {
         let approach = changes.map(|(depth, change)| (change / self.depth_scale(*depth)).abs());
         approach.fold(self.system.relative_size(&unknowns[..n], &update[..n]), f64::max)
     }
+
     fn weights(&self, unknowns: &[f64]) -> Vec<f64> {
         let n = self.system.unknowns();
         let mut weights = self.system.weights_of(&unknowns[..n]);
