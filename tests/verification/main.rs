@@ -23,3 +23,4 @@ mod reach;
 mod soft_film;
 mod solid_alone;
 mod squeeze;
+mod ways;

@@ -1,0 +1,64 @@
+//! The way to a steady state does not matter.
+//!
+//! Simulations wander: small changes of depth or load and speed, now and then a jump, equal bodies that move alike or not. Every
+//! state is compared with one found from rest with a tolerance of 1e-10. Varied: formulation, control, cavitation. Tolerance: 1e-5
+//! of loads, pressures and films (of 0.1 micron where they are thinner), 10 nm of contact length, 0.1 nm of depth.
+
+use cartilage_contact::laws::Formulation;
+use cartilage_contact::parameters::{Control, Inputs, Mesh, Parameters};
+use cartilage_contact::simulation::Simulation;
+
+/// A number between -0.5 and 0.5, as good as random.
+fn draw(step: u32, irrational: f64) -> f64 {
+    (f64::from(step * step) * irrational).fract() - 0.5
+}
+
+#[test]
+fn states_do_not_depend_on_the_way_to_them() {
+    for (formulation, control, cavitation) in [
+        (Formulation::Paper, Control::Depth, false),
+        (Formulation::Consistent, Control::Depth, false),
+        (Formulation::Paper, Control::Depth, true),
+        (Formulation::Consistent, Control::Load, false),
+        (Formulation::Consistent, Control::Load, true),
+    ] {
+        let parameters = Parameters {
+            formulation,
+            control,
+            cavitation,
+            cavitation_pressure: -2000.0,
+            mesh: Mesh { columns: 48, rows: 3, column_grading: 2.5, row_grading: 2.0 },
+            ..Parameters::default()
+        };
+        let mut wanderer = Simulation::new(&parameters).unwrap();
+        let mut inputs = Inputs { penetration_depth: 5e-6, ..Inputs::default() };
+        let mut touched = 0;
+        for step in 1..=30 {
+            let scale = if step % 10 == 0 { 1.0 } else { 0.05 };
+            let depth = inputs.penetration_depth + scale * 60e-6 * draw(step, 2.0_f64.sqrt());
+            inputs.penetration_depth = depth.clamp(-30e-6, 50e-6);
+            inputs.sliding_speed = (inputs.sliding_speed + scale * 0.3 * draw(step, 3.0_f64.sqrt())).clamp(0.02, 0.4);
+            inputs.applied_load =
+                (inputs.applied_load * (scale * 3.0 * draw(step, 5.0_f64.sqrt())).exp()).clamp(1.0, 1e3);
+            inputs.slide_to_roll_ratio = if step > 15 { 0.3 } else { 0.0 };
+            wanderer.solve_steady(inputs).unwrap();
+            let mut settler = Simulation::new(&Parameters { tolerance: 1e-10, ..parameters }).unwrap();
+            settler.solve_steady(inputs).unwrap();
+            let (a, b) = (wanderer.outputs(), settler.outputs());
+            let film = |of: f64| of.abs() + 1e-7;
+            for (name, a, b, size) in [
+                ("load", a.load, b.load, b.load.abs()),
+                ("fluid load", a.fluid_load, b.fluid_load, b.load.abs()),
+                ("central film", a.central_film_thickness, b.central_film_thickness, film(b.central_film_thickness)),
+                ("least film", a.minimum_film_thickness, b.minimum_film_thickness, film(b.minimum_film_thickness)),
+                ("contact length", a.contact_length, b.contact_length, 1e-3),
+                ("pressure", a.maximum_fluid_pressure, b.maximum_fluid_pressure, b.maximum_fluid_pressure),
+                ("depth", a.penetration_depth, b.penetration_depth, 1e-5),
+            ] {
+                assert!((a - b).abs() <= 1e-5 * size, "{name}: {a} and {b} at {inputs}, step {step}");
+            }
+            touched += u32::from(b.contact_length > 0.0);
+        }
+        assert!(touched > 0 && touched < 30, "{formulation:?} {control:?}: {touched}");
+    }
+}
