@@ -1,4 +1,4 @@
-"""What a film that may tear does to pressure and load (FMPy).
+"""What a film that may tear does to pressure and load (FMPy, with the FMU of FMI 2.0).
 
     pip install fmpy matplotlib
     cargo run --release               # writes the FMU

