@@ -6,6 +6,7 @@ use crate::equations::system::{At, Change, Direction, Rates, Residual, System, b
 use crate::parameters::{Control, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Singular};
 use crate::solver::newton;
+pub(super) use crate::solver::newton::Foreseen;
 
 /// A solution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -89,10 +90,8 @@ pub(super) struct Task<'a> {
     pub rates: Option<&'a Rates>,
     pub control: Control,
     pub settings: newton::Settings,
-    /// Where the tangent was formed that may serve once more.
-    pub kept: Option<&'a Place>,
-    /// Size of the step that was foreseen with it, relative to the fields; infinite where none was.
-    pub foreseen: f64,
+    /// Where the tangent was formed that may serve once more, and what was foreseen with it.
+    pub kept: Option<(&'a Place, Foreseen)>,
 }
 
 /// The equations: those of a mirrored pair, where the two bodies are equal, and those of two bodies, made when first needed.
@@ -304,13 +303,13 @@ impl newton::Problem for Balance<'_> {
         Ok(changed)
     }
 
-    fn kept(&mut self) -> Option<f64> {
-        let place = self.task.kept?;
+    fn kept(&mut self) -> Option<Foreseen> {
+        let (place, foreseen) = self.task.kept?;
         let rate = |rates: Option<&Rates>| rates.map(|rates| rates.rate);
         let fits = place.point.mirrored == self.system.mirrored()
             && place.point.active == self.active
             && rate(place.rates.as_ref()) == rate(self.task.rates);
-        (fits && self.tangent.form(self.system, place).is_ok()).then_some(self.task.foreseen)
+        (fits && self.tangent.form(self.system, place).is_ok()).then_some(foreseen)
     }
 
     fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String> {

@@ -8,10 +8,10 @@ mod transient;
 
 use serde::{Deserialize, Serialize};
 
-use self::bodies::{Bodies, Place, Point};
+use self::bodies::{Bodies, Point};
 use self::derivatives::Derivatives;
 pub use self::drive::Drive;
-use self::steady::Steady;
+use self::steady::{Kept, Steady};
 use self::transient::Motion;
 use crate::equations::system::{Rates, System, half_width};
 use crate::error::Error;
@@ -57,7 +57,7 @@ struct State {
 /// How a state was reached, for the next one and for derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Path {
-    Steady(Option<Place>),
+    Steady(Option<Box<Kept>>),
     Transient(Box<Motion>),
 }
 
@@ -300,13 +300,13 @@ impl State {
                 && point.contact_forces.len() == stations
         };
         let kept = match &self.path {
-            Path::Steady(kept) => kept,
-            Path::Transient(motion) => &motion.kept,
+            Path::Steady(kept) => kept.as_ref().map(|kept| &kept.place),
+            Path::Transient(motion) => motion.kept.as_ref(),
         };
         fits(&self.point)
-            && kept.as_ref().is_none_or(|place| fits(&place.point))
+            && kept.is_none_or(|place| fits(&place.point))
             && match &self.path {
-                Path::Steady(_) => true,
+                Path::Steady(kept) => kept.as_ref().is_none_or(|kept| kept.fits(unknowns)),
                 Path::Transient(motion) => motion.fits(unknowns, (stations - 1) / 2) && fits(&motion.last.start),
             }
     }

@@ -1,17 +1,84 @@
 //! The way to a steady state: steps of the inputs, and where they fail, motion in time that comes to rest.
 
-use super::bodies::{Bodies, LONGEST_APPROACH, Place, Point, Task};
+use serde::{Deserialize, Serialize};
+
+use super::bodies::{Bodies, Foreseen, LONGEST_APPROACH, Place, Point, Task};
 use crate::equations::system::Rates;
 use crate::error::Error;
 use crate::parameters::{Control, Inputs};
 use crate::solver::linear::Singular;
 use crate::solver::{continuation, newton};
 
-/// A steady state, and where the tangent was formed that led to it: near enough to predict states nearby and to solve for them.
+/// A steady state, and the tangent that led to it: near enough to predict states nearby and to solve for them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Steady {
     pub point: Point,
-    pub kept: Option<Place>,
+    pub kept: Option<Box<Kept>>,
+}
+
+/// Where a tangent was formed, and what it missed in the last step that was predicted with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Kept {
+    pub place: Place,
+    miss: Option<Miss>,
+}
+
+impl Kept {
+    /// Whether what was missed is of equations with so many unknowns.
+    pub fn fits(&self, unknowns: usize) -> bool {
+        let fits = |values: &[f64]| values.len() == unknowns + 1;
+        self.miss.as_ref().is_none_or(|miss| fits(&miss.now) && fits(&miss.next))
+    }
+}
+
+/// The difference of a solution to its prediction, unknowns and then the depth. Along a smooth way it grows evenly from step to step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Miss {
+    /// See [`changes`].
+    changes: [f64; 3],
+    now: Vec<f64>,
+    /// What a step like this one is expected to miss.
+    next: Vec<f64>,
+}
+
+impl Miss {
+    /// What was missed by these changes, after what was missed before.
+    fn new(before: Option<&Self>, changes: [f64; 3], solved: &Point, predicted: &Point) -> Self {
+        let of = |point: &Point| [&point.unknowns[..], &[point.inputs.penetration_depth]].concat();
+        let now: Vec<f64> = of(solved).into_iter().zip(of(predicted)).map(|(z, p)| z - p).collect();
+        let next = match before.and_then(|before| Some((&before.now, before.share(changes)?))) {
+            Some((before, share)) => now.iter().zip(before).map(|(now, before)| 2.0 * now - share * before).collect(),
+            None => now.clone(),
+        };
+        Self { changes, now, next }
+    }
+
+    /// How many times as far these changes go in the same direction; none if in another.
+    fn share(&self, changes: [f64; 3]) -> Option<f64> {
+        const ALIKE: f64 = 0.3;
+        let mut shares = changes.into_iter().zip(self.changes).filter(|(now, then)| *now != 0.0 || *then != 0.0);
+        let share = shares.next().map(|(now, then)| now / then)?;
+        let alike = shares.all(|(now, then)| (now / then - share).abs() <= ALIKE * share.abs());
+        (alike && share.abs() < 3.0).then_some(share)
+    }
+}
+
+/// A guess of a state, from what it was predicted, and how far it may be trusted.
+struct Guess {
+    point: Point,
+    /// The prediction by the tangent alone.
+    predicted: Point,
+    changes: [f64; 3],
+    foreseen: Option<Foreseen>,
+}
+
+/// Changes of what is given: depth or load, speed, and slide-to-roll ratio.
+fn changes(from: &Inputs, to: &Inputs, control: Control) -> [f64; 3] {
+    let first = match control {
+        Control::Depth => to.penetration_depth - from.penetration_depth,
+        Control::Load => to.applied_load - from.applied_load,
+    };
+    [first, to.sliding_speed - from.sliding_speed, to.slide_to_roll_ratio - from.slide_to_roll_ratio]
 }
 
 /// A tangent is kept for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
@@ -181,25 +248,34 @@ fn step(
     control: Control,
 ) -> (Result<Steady, String>, usize) {
     let mirrored = from.point.mirrored && bodies.may_mirror(target);
-    let (guess, foreseen) = predict(bodies, from, target, control);
-    let guess = bodies.converted(guess, mirrored);
-    let (result, mut spent) = settle(bodies, guess, target, limit, control, from.kept.as_ref(), foreseen);
-    let state = match result {
+    let Guess { point, predicted, changes, foreseen } = predict(bodies, from, target, control);
+    let guess = bodies.converted(point, mirrored);
+    let kept = from.kept.as_ref().map(|kept| &kept.place);
+    let (result, mut spent) = settle(bodies, guess, target, limit, control, kept.zip(foreseen));
+    let mut state = match result {
         Ok(state) => state,
         Err(reason) => return (Err(reason), spent),
     };
+    if let (Some(new), Some(old)) = (&mut state.kept, kept)
+        && new.place == *old
+        && state.point.mirrored == predicted.mirrored
+    {
+        let before = from.kept.as_ref().and_then(|kept| kept.miss.as_ref());
+        new.miss = Some(Miss::new(before, changes, &state.point, &predicted));
+    }
     // Boundary friction pulls the two bodies apart sideways; without it they are mirror images again.
     match (state.point.mirrored, bodies.drags(&state.point)) {
         (true, true) => {
             let guess = bodies.converted(state.point, false);
-            let (result, more) = settle(bodies, guess, target, limit, control, None, f64::INFINITY);
+            let (result, more) = settle(bodies, guess, target, limit, control, None);
             spent += more;
             (result, spent)
         }
         (false, false) if bodies.may_mirror(target) => {
             let mut kept = state.kept;
-            if let Some(place) = &mut kept {
-                place.point = bodies.converted(place.point.clone(), true);
+            if let Some(kept) = &mut kept {
+                kept.place.point = bodies.converted(kept.place.point.clone(), true);
+                kept.miss = None;
             }
             (Ok(Steady { point: bodies.converted(state.point, true), kept }), spent)
         }
@@ -214,14 +290,14 @@ fn settle(
     target: &Inputs,
     limit: usize,
     control: Control,
-    kept: Option<&Place>,
-    foreseen: f64,
+    kept: Option<(&Place, Foreseen)>,
 ) -> (Result<Steady, String>, usize) {
     let tolerance = bodies.parameters.tolerance;
     let settings = newton::Settings { tolerance, maximum_iterations: limit, patience: PATIENCE };
-    let task = Task { inputs: target, rates: None, control, settings, kept, foreseen };
+    let task = Task { inputs: target, rates: None, control, settings, kept };
     let (result, spent) = bodies.settle(guess, &task);
-    (result.map(|point| Steady { point, kept: bodies.place().cloned() }), spent)
+    let kept = bodies.place().map(|place| Box::new(Kept { place: place.clone(), miss: None }));
+    (result.map(|point| Steady { point, kept }), spent)
 }
 
 /// Steady state as the end of a motion in time: squeeze and drainage damp what Newton's method alone would overshoot. The
@@ -243,8 +319,7 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
         let approach = inputs.penetration_depth - state.inputs.penetration_depth;
         bodies.system(mirrored).compress(&mut guess.unknowns, approach);
         let rates = Some(&rates);
-        let task =
-            Task { inputs: &inputs, rates, control: Control::Depth, settings, kept: None, foreseen: f64::INFINITY };
+        let task = Task { inputs: &inputs, rates, control: Control::Depth, settings, kept: None };
         let (result, iterations) = bodies.settle(guess, &task);
         spent += iterations;
         match result {
@@ -265,29 +340,35 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
             }
         }
     }
-    let (result, iterations) = settle(bodies, state, target, COLD_ITERATIONS, Control::Depth, None, f64::INFINITY);
+    let (result, iterations) = settle(bodies, state, target, COLD_ITERATIONS, Control::Depth, None);
     (result, spent + iterations)
 }
 
-/// The state on the tangent at the target inputs, and how large a step that is, relative to the fields.
-fn predict(bodies: &mut Bodies, from: &Steady, target: &Inputs, control: Control) -> (Point, f64) {
+/// The state at the target inputs on the tangent, and beyond that by what the tangent missed in the last step.
+fn predict(bodies: &mut Bodies, from: &Steady, target: &Inputs, control: Control) -> Guess {
     let mut point = from.point.clone();
-    let at = point.inputs;
-    let changes = [
-        target.penetration_depth - at.penetration_depth,
-        target.sliding_speed - at.sliding_speed,
-        target.slide_to_roll_ratio - at.slide_to_roll_ratio,
-    ];
-    let update = from.kept.as_ref().and_then(|place| along(bodies, &point, place, target, changes, control).ok());
+    let changes = changes(&point.inputs, target, control);
+    let kept = from.kept.as_ref();
+    let update = kept.and_then(|kept| along(bodies, &point, &kept.place, target, control).ok());
     let system = bodies.system(point.mirrored);
     let Some((update, approach)) = update else {
-        system.compress(&mut point.unknowns, changes[0]);
-        return (point, f64::INFINITY);
+        system.compress(&mut point.unknowns, target.penetration_depth - point.inputs.penetration_depth);
+        return Guess { predicted: point.clone(), point, changes, foreseen: None };
     };
     point.inputs.penetration_depth += approach;
-    let size = system.relative_size(&point.unknowns, &update);
+    let mut foreseen = Foreseen { step: system.relative_size(&point.unknowns, &update), corrected: 0.0 };
     system.apply(&mut point.unknowns, &update, &point.active);
-    (point, size)
+    let predicted = point.clone();
+    if let Some((miss, share)) = kept.and_then(|kept| kept.miss.as_ref()).and_then(|m| Some((m, m.share(changes)?))) {
+        let mut correction: Vec<f64> = miss.next.iter().map(|missed| -share * missed).collect();
+        let approach = -correction.pop().unwrap_or_default();
+        foreseen.corrected = system.relative_size(&point.unknowns, &correction);
+        system.apply(&mut point.unknowns, &correction, &point.active);
+        if control == Control::Load {
+            point.inputs.penetration_depth += approach;
+        }
+    }
+    Guess { point, predicted, changes, foreseen: Some(foreseen) }
 }
 
 /// What to subtract from the unknowns for these changes of depth, speed and slide-to-roll ratio, by a tangent formed nearby; and the
@@ -297,13 +378,13 @@ fn along(
     point: &Point,
     place: &Place,
     target: &Inputs,
-    mut changes: [f64; 3],
     control: Control,
 ) -> Result<(Vec<f64>, f64), Singular> {
     if place.point.mirrored != point.mirrored {
         return Err(Singular);
     }
     bodies.form(place)?;
+    let mut changes = changes(&point.inputs, target, Control::Depth);
     if point.mirrored {
         // A mirrored pair does not change with the slide-to-roll ratio.
         changes[2] = 0.0;

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, Place, Point, Task};
+use super::bodies::{Bodies, Foreseen, Place, Point, Task};
 use super::drive::Drive;
 use super::steady::PATIENCE;
 use crate::equations::system::{Contents, Rates};
@@ -149,8 +149,8 @@ impl Walker {
         let rates = Rates { rate: formula.present, history };
         let settings =
             newton::Settings { tolerance: parameters.tolerance, maximum_iterations: ITERATIONS, patience: PATIENCE };
-        let (kept, foreseen) = (self.kept.as_ref(), f64::INFINITY);
-        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings, kept, foreseen };
+        let kept = self.kept.as_ref().map(|place| (place, Foreseen::default()));
+        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings, kept };
         let (point, iterations) = bodies.settle(guess, &task);
         self.iterations += iterations;
         let point = point?;

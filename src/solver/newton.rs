@@ -28,9 +28,8 @@ pub trait Problem {
     /// Size of an update relative to the unknowns.
     fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64;
 
-    /// Whether there is a factorisation from before for the discrete state of the last residual; and the size of the step to the
-    /// first unknowns that was foreseen with it, infinite where none was.
-    fn kept(&mut self) -> Option<f64> {
+    /// Whether there is a factorisation from before for the discrete state of the last residual; and what was foreseen with it.
+    fn kept(&mut self) -> Option<Foreseen> {
         None
     }
 
@@ -38,6 +37,15 @@ pub trait Problem {
     fn weights(&self, unknowns: &[f64]) -> Vec<f64> {
         vec![1.0; unknowns.len()]
     }
+}
+
+/// How the first unknowns came about; sizes are relative to the fields.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Foreseen {
+    /// Size of the step to them by the kept tangent; 0 where there was none.
+    pub step: f64,
+    /// Size of what was added in place of a first update.
+    pub corrected: f64,
 }
 
 /// Broyden's update of a kept tangent by the steps that were taken with it, each the solution's whole step: C. T. Kelley, Solving
@@ -122,7 +130,8 @@ pub fn solve(
     let mut broyden = Broyden::default();
     problem.residual(unknowns, residual).map_err(|reason| fail(reason, 0))?;
     let kept = if settings.patience > 0.0 { problem.kept() } else { None };
-    let foreseen = kept.filter(|size| *size > 0.0).unwrap_or(f64::INFINITY);
+    let mut corrected = kept.map_or(0.0, |foreseen| foreseen.corrected);
+    let foreseen = kept.map(|foreseen| foreseen.step).filter(|size| *size > 0.0).unwrap_or(f64::INFINITY);
     // `previous` is the size of the last update, as far as the next one says how fast they shrink.
     let (mut stale, mut previous) = (kept.is_none(), foreseen);
     let (mut iterations, mut formed, mut converged) = (0, 0, false);
@@ -142,7 +151,8 @@ pub fn solve(
             return Err(fail("the update is not finite".into()));
         }
         let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
-        let contraction = previous.is_finite().then_some(size / previous);
+        // The first update would have been as large as what is in its place already.
+        let contraction = previous.is_finite().then_some((size + std::mem::take(&mut corrected)) / previous);
         let rest = match contraction {
             // With one factorisation the updates shrink like a geometric series.
             Some(contraction) if !stale => contraction / (1.0 - contraction.min(0.9)),

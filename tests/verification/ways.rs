@@ -1,6 +1,6 @@
 //! The way to a steady state does not matter.
 //!
-//! Simulations wander: small changes of depth or load and speed, now and then a jump, equal bodies that move alike or not. Every
+//! Simulations wander: small equal changes of depth or load and speed, now and then a jump, equal bodies that move alike or not. Every
 //! state is compared with one found from rest with a tolerance of 1e-10. Varied: formulation, control, cavitation. Tolerance: 1e-5
 //! of loads, pressures and films (of 0.1 micron where they are thinner), 10 nm of contact length, 0.1 nm of depth.
 
@@ -31,15 +31,16 @@ fn states_do_not_depend_on_the_way_to_them() {
             ..Parameters::default()
         };
         let mut wanderer = Simulation::new(&parameters).unwrap();
-        let mut inputs = Inputs { penetration_depth: 5e-6, ..Inputs::default() };
+        let mut inputs = Inputs { penetration_depth: 10e-6, ..Inputs::default() };
         let mut touched = 0;
         for step in 1..=30 {
-            let scale = if step % 10 == 0 { 1.0 } else { 0.05 };
-            let depth = inputs.penetration_depth + scale * 60e-6 * draw(step, 2.0_f64.sqrt());
+            // Nine equal steps in one direction, then a jump.
+            let (scale, leg) = if step % 10 == 0 { (1.0, step) } else { (0.02, step / 10 + 5) };
+            let depth = inputs.penetration_depth + scale * 100e-6 * draw(leg, 2.0_f64.sqrt());
             inputs.penetration_depth = depth.clamp(-30e-6, 50e-6);
-            inputs.sliding_speed = (inputs.sliding_speed + scale * 0.3 * draw(step, 3.0_f64.sqrt())).clamp(0.02, 0.4);
+            inputs.sliding_speed = (inputs.sliding_speed + scale * 0.3 * draw(leg, 3.0_f64.sqrt())).clamp(0.02, 0.4);
             inputs.applied_load =
-                (inputs.applied_load * (scale * 3.0 * draw(step, 5.0_f64.sqrt())).exp()).clamp(1.0, 1e3);
+                (inputs.applied_load * (scale * 3.0 * draw(leg, 5.0_f64.sqrt())).exp()).clamp(1.0, 1e3);
             inputs.slide_to_roll_ratio = if step > 15 { 0.3 } else { 0.0 };
             wanderer.solve_steady(inputs).unwrap();
             let mut settler = Simulation::new(&Parameters { tolerance: 1e-10, ..parameters }).unwrap();
