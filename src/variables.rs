@@ -359,7 +359,6 @@ static RESULTS: [ResultRow; 25] = [
     ("minimum_film_position", Unit::Metre, 1e-3, Source::Result(|o| o.minimum_film_position), "Where the film is thinnest, along x from the middle of the contact"),
     ("central_film_thickness", Unit::Metre, 1e-6, Source::Result(|o| o.central_film_thickness), "Distance of the deformed surfaces in the middle of the contact"),
     ("contact_length", Unit::Metre, 1e-3, Source::Result(|o| o.contact_length), "Length along x over which the solids touch"),
-    ("cavitated_length", Unit::Metre, 1e-3, Source::Result(|o| o.cavitated_length), "Length along x over which the film is torn, to half an element; 0 unless cavitation is true"),
     ("maximum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_fluid_pressure), "Largest fluid pressure on the interface, above ambient"),
     ("minimum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.minimum_fluid_pressure), "Smallest fluid pressure on the interface, above ambient"),
     ("maximum_contact_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_contact_pressure), "Largest pressure of solid on solid"),
@@ -371,6 +370,7 @@ static RESULTS: [ResultRow; 25] = [
     ("penetration_depth_result", Unit::Metre, 1e-5, Source::Result(|o| o.penetration_depth), "Penetration depth of these results; where control is load, the depth at which the load is carried"),
     ("lubrication_regime", Unit::One, 1.0, Source::Regime, "Lubrication regime"),
     ("newton_iterations", Unit::One, 1.0, Source::Iterations, "Newton iterations of the last solution, all its sub-steps together"),
+    ("cavitated_length", Unit::Metre, 1e-3, Source::Result(|o| o.cavitated_length), "Length along x over which the film is torn, to half an element; 0 unless cavitation is true"),
 ];
 
 fn profiles() -> impl Iterator<Item = Variable> {

@@ -192,6 +192,26 @@ static STRAIN_DEPENDENCE_ROWS: [Parameter; 6] = body_rows! {
     permeability_strain_coefficient, Unit::One, 0.0, 10.0, 1.0, "Coefficient M of the exponential in the permeability (permeability_law holmes_mow)";
 };
 
+/// A row whose words stand for the variants of an enumeration, in this order.
+macro_rules! choice {
+    ($name:literal, $description:literal, $field:ident, [$($variant:path => ($word:literal, $meaning:literal)),* $(,)?]) => {
+        Parameter {
+            name: $name,
+            unit: Unit::One,
+            description: $description,
+            kind: Kind::Choice {
+                items: &[$(($word, $meaning)),*],
+                get: |p| [$($variant),*].iter().position(|variant| *variant == p.$field).unwrap_or_default(),
+                set: |p, index| {
+                    if let Some(variant) = [$($variant),*].get(index) {
+                        p.$field = *variant;
+                    }
+                },
+            },
+        }
+    };
+}
+
 const fn real(
     name: &'static str,
     unit: Unit,
@@ -268,22 +288,15 @@ static COMMON_ROWS: [Parameter; 20] = [
         |p| &mut p.shear_film_offset,
         "Length added to the film thickness in the Couette shear stress, so that it stays finite in contact",
     ),
-    Parameter {
-        name: "formulation",
-        unit: Unit::One,
-        description: "Which balance laws are solved",
-        kind: Kind::Choice {
-            items: &[
-                ("paper", "The equations of de Boer et al. (2020) as printed"),
-                ("consistent", "Total-stress poroelasticity at finite strain, regularised Coulomb friction"),
-            ],
-            get: |p| match p.formulation {
-                Formulation::Paper => 0,
-                Formulation::Consistent => 1,
-            },
-            set: |p, index| p.formulation = if index == 0 { Formulation::Paper } else { Formulation::Consistent },
-        },
-    },
+    choice!(
+        "formulation",
+        "Which balance laws are solved",
+        formulation,
+        [
+            Formulation::Paper => ("paper", "The equations of de Boer et al. (2020) as printed"),
+            Formulation::Consistent => ("consistent", "Total-stress poroelasticity at finite strain, regularised Coulomb friction"),
+        ]
+    ),
     integer("mesh.columns", [8, 2000], |p| &mut p.mesh.columns, "Elements along the articular surface"),
     integer("mesh.rows", [1, 200], |p| &mut p.mesh.rows, "Elements through the thickness of a layer"),
     real(
@@ -313,43 +326,24 @@ static COMMON_ROWS: [Parameter; 20] = [
         |p| &mut p.tolerance,
         "Newton's method stops when its update, relative to the fields, is below this",
     ),
-    Parameter {
-        name: "time_integration",
-        unit: Unit::One,
-        description: "What time does to the layers",
-        kind: Kind::Choice {
-            items: &[
-                ("quasi_steady", "Every state is the steady one of its inputs"),
-                (
-                    "transient",
-                    "Film is squeezed out and tissue drains in time, starting from the steady state of the first inputs",
-                ),
-            ],
-            get: |p| match p.time_integration {
-                TimeIntegration::QuasiSteady => 0,
-                TimeIntegration::Transient => 1,
-            },
-            set: |p, index| {
-                p.time_integration = if index == 0 { TimeIntegration::QuasiSteady } else { TimeIntegration::Transient };
-            },
-        },
-    },
-    Parameter {
-        name: "control",
-        unit: Unit::One,
-        description: "Which of depth and load is given",
-        kind: Kind::Choice {
-            items: &[
-                ("depth", "penetration_depth and approach_speed are given, and the load follows"),
-                ("load", "applied_load is given, and the depth follows: penetration_depth_result"),
-            ],
-            get: |p| match p.control {
-                Control::Depth => 0,
-                Control::Load => 1,
-            },
-            set: |p, index| p.control = if index == 0 { Control::Depth } else { Control::Load },
-        },
-    },
+    choice!(
+        "time_integration",
+        "What time does to the layers",
+        time_integration,
+        [
+            TimeIntegration::QuasiSteady => ("quasi_steady", "Every state is the steady one of its inputs"),
+            TimeIntegration::Transient => ("transient", "Film is squeezed out and tissue drains in time, starting from the steady state of the first inputs"),
+        ]
+    ),
+    choice!(
+        "control",
+        "Which of depth and load is given",
+        control,
+        [
+            Control::Depth => ("depth", "penetration_depth and approach_speed are given, and the load follows"),
+            Control::Load => ("load", "applied_load is given, and the depth follows: penetration_depth_result"),
+        ]
+    ),
     real(
         "relative_tolerance",
         Unit::One,
@@ -370,40 +364,24 @@ static COMMON_ROWS: [Parameter; 20] = [
 const PRESET: &str = "preset";
 
 static CHOICE_ROWS: [Parameter; 3] = [
-    Parameter {
-        name: "fidelity",
-        unit: Unit::One,
-        description: "Which model answers in the FMU",
-        kind: Kind::Choice {
-            items: &[
-                ("full", "The equations are solved"),
-                ("reduced", "Real time: a table of solved states in the FMU's resources, for one set of parameters"),
-            ],
-            get: |p| p.fidelity as usize,
-            set: |p, index| p.fidelity = if index == 0 { Fidelity::Full } else { Fidelity::Reduced },
-        },
-    },
-    Parameter {
-        name: "permeability_law",
-        unit: Unit::One,
-        description: "How permeability answers to strain",
-        kind: Kind::Choice {
-            items: &[
-                ("constant", "Permeability does not depend on strain"),
-                (
-                    "holmes_mow",
-                    "It falls with compression: k = k0 ((J - s)/(1 - s))^L exp(M (J^2 - 1)/2), J volume ratio",
-                ),
-            ],
-            get: |p| match p.permeability_law {
-                PermeabilityLaw::Constant => 0,
-                PermeabilityLaw::HolmesMow => 1,
-            },
-            set: |p, index| {
-                p.permeability_law = if index == 0 { PermeabilityLaw::Constant } else { PermeabilityLaw::HolmesMow };
-            },
-        },
-    },
+    choice!(
+        "fidelity",
+        "Which model answers in the FMU",
+        fidelity,
+        [
+            Fidelity::Full => ("full", "The equations are solved"),
+            Fidelity::Reduced => ("reduced", "Real time: a table of solved states in the FMU's resources, for one set of parameters"),
+        ]
+    ),
+    choice!(
+        "permeability_law",
+        "How permeability answers to strain",
+        permeability_law,
+        [
+            PermeabilityLaw::Constant => ("constant", "Permeability does not depend on strain"),
+            PermeabilityLaw::HolmesMow => ("holmes_mow", "It falls with compression: k = k0 ((J - s)/(1 - s))^L exp(M (J^2 - 1)/2), J volume ratio"),
+        ]
+    ),
     Parameter {
         name: PRESET,
         unit: Unit::One,
