@@ -7,6 +7,7 @@ mod presets;
 mod table;
 
 use crate::error::Error;
+pub use crate::laws::roughness::AsperityLaw;
 pub use crate::laws::{Formulation, PermeabilityLaw};
 pub use presets::{PRESETS, Preset, PresetRow, Tissue};
 pub use table::{Kind, PARAMETERS, Parameter, Value, find};
@@ -123,6 +124,20 @@ pub struct Parameters {
     pub cavitation_pressure: f64,
     /// How permeability answers to strain.
     pub permeability_law: PermeabilityLaw,
+    /// Combined root mean square roughness of the two surfaces [m]; 0 is smooth.
+    pub surface_roughness: f64,
+    /// How the pressure of asperities falls with the distance of rough surfaces.
+    pub asperity_law: AsperityLaw,
+    /// Pressure of the asperities where the mean planes meet [Pa].
+    pub asperity_pressure: f64,
+    /// Decay length of the asperities' pressure over the roughness [1] ([`AsperityLaw::Exponential`]).
+    pub asperity_decay: f64,
+    /// Pressure of the stiffer core where the mean planes meet [Pa].
+    pub core_pressure: f64,
+    /// Its decay length over the roughness [1].
+    pub core_decay: f64,
+    /// Share of the fluid's pressure in real contact that boundary friction feels, phi of Ateshian [1] (rough surfaces).
+    pub solid_fraction: f64,
     /// Where the other values start from; to get these values, [`Preset::parameters`].
     pub preset: Preset,
     /// What [`Parameter::set`] was told so far.
@@ -179,6 +194,13 @@ impl Default for Parameters {
             cavitation: false,
             cavitation_pressure: -1e5,
             permeability_law: PermeabilityLaw::Constant,
+            surface_roughness: 0.0,
+            asperity_law: AsperityLaw::Exponential,
+            asperity_pressure: 20e3,
+            asperity_decay: 0.5,
+            core_pressure: 10e6,
+            core_decay: 0.1,
+            solid_fraction: 0.0,
             preset: Preset::Paper,
             named: Named::default(),
         }
@@ -259,6 +281,20 @@ impl Parameters {
         let mut copy = *self;
         for row in PARAMETERS {
             row.set(&mut copy, &row.get(self))?;
+        }
+        if self.surface_roughness > 0.0 && self.cavitation {
+            return Err(Error::value(
+                "cavitation",
+                true,
+                "false with surface_roughness above 0: a film that tears between rough surfaces is not modelled; or surface_roughness = 0",
+            ));
+        }
+        if self.surface_roughness == 0.0 && self.solid_fraction > 0.0 {
+            return Err(Error::value(
+                "solid_fraction",
+                self.solid_fraction,
+                "0 with smooth surfaces; or surface_roughness above 0",
+            ));
         }
         for (name, body) in [("upper", &self.upper), ("lower", &self.lower)] {
             if self.formulation == Formulation::Paper && body.biot_coefficient == 0.0 {

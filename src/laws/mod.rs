@@ -5,6 +5,7 @@ pub mod contact;
 pub mod darcy;
 pub mod film;
 pub mod neo_hookean;
+pub mod roughness;
 
 /// How permeability answers to strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

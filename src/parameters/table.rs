@@ -1,6 +1,6 @@
 //! The table of parameters: names, units, ranges and descriptions, and how values are read and set by name.
 
-use super::{Control, Fidelity, Formulation, PRESETS, Parameters, PermeabilityLaw, TimeIntegration, presets};
+use super::{AsperityLaw, Control, Fidelity, Formulation, PRESETS, Parameters, PermeabilityLaw, TimeIntegration, presets};
 use crate::error::Error;
 use crate::units::Unit;
 
@@ -414,10 +414,65 @@ static CAVITATION_ROWS: [Parameter; 2] = [
     ),
 ];
 
+static ROUGHNESS_ROWS: [Parameter; 7] = [
+    real(
+        "surface_roughness",
+        Unit::Metre,
+        [0.0, 1e-4, 1e-6],
+        |p| &mut p.surface_roughness,
+        "Combined root mean square roughness of the two surfaces; 0 is smooth, with contact where the film is gone",
+    ),
+    choice!(
+        "asperity_law",
+        "How the pressure of asperities falls with the distance of rough surfaces",
+        asperity_law,
+        [
+            AsperityLaw::Exponential => ("exponential", "exp(-h/(c sigma)) of self-affine surfaces (Persson 2007)"),
+            AsperityLaw::GreenwoodTripp => ("greenwood_tripp", "F_5/2(h/sigma) of Gaussian summits (Greenwood and Tripp 1970)"),
+        ]
+    ),
+    real(
+        "asperity_pressure",
+        Unit::Pascal,
+        [0.0, 1e9, 1e4],
+        |p| &mut p.asperity_pressure,
+        "Pressure of the asperities where the mean planes of rough surfaces meet",
+    ),
+    real(
+        "asperity_decay",
+        Unit::One,
+        [1e-2, 10.0, 1.0],
+        |p| &mut p.asperity_decay,
+        "Decay length of the asperities' pressure over surface_roughness (asperity_law exponential)",
+    ),
+    real(
+        "core_pressure",
+        Unit::Pascal,
+        [1e3, 1e10, 1e7],
+        |p| &mut p.core_pressure,
+        "Pressure of the stiff core of rough surfaces where the mean planes meet, on top of asperity_pressure",
+    ),
+    real(
+        "core_decay",
+        Unit::One,
+        [1e-2, 10.0, 0.1],
+        |p| &mut p.core_decay,
+        "Decay length of the core's pressure over surface_roughness",
+    ),
+    real(
+        "solid_fraction",
+        Unit::One,
+        [0.0, 1.0, 0.1],
+        |p| &mut p.solid_fraction,
+        "Share of the fluid's pressure in real contact that boundary friction feels as well (phi of Ateshian; rough surfaces)",
+    ),
+];
+
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 43] = {
-    let parts: [&[Parameter]; 5] = [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &CAVITATION_ROWS];
-    let mut rows = [&BODY_ROWS[0]; 43];
+pub static PARAMETERS: [&Parameter; 50] = {
+    let parts: [&[Parameter]; 6] =
+        [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &CAVITATION_ROWS, &ROUGHNESS_ROWS];
+    let mut rows = [&BODY_ROWS[0]; 50];
     let (mut part, mut first, mut place) = (0, 0, 0);
     while place < rows.len() {
         if place - first == parts[part].len() {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::equations::system::{At, Change, Direction, Rates, Residual, System, boundary_friction};
+use crate::equations::system::{At, Direction, Rates, Residual, System, boundary_friction};
 use crate::parameters::{Control, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Singular};
 use crate::solver::newton;
@@ -75,10 +75,10 @@ impl Tangent {
             Some(slope) => Ok(slope),
             slot => {
                 let cause = vec![(Direction::UNIT[input], None)];
-                let Change { unknowns, contact_forces, .. } =
-                    system.respond(point.at(rates.as_ref()), cause)?.pop().ok_or(Singular)?;
-                let load = system.load(&unknowns, &contact_forces);
-                Ok(slot.insert(Slope { unknowns, load }))
+                let at = point.at(rates.as_ref());
+                let change = system.respond(at, cause)?.pop().ok_or(Singular)?;
+                let load = system.loads(at, &change).total().eps;
+                Ok(slot.insert(Slope { unknowns: change.unknowns, load }))
             }
         }
     }
@@ -129,7 +129,7 @@ impl Bodies {
 
     /// Whether boundary friction pulls the two bodies apart sideways.
     pub fn drags(&self, point: &Point) -> bool {
-        point.touches() && boundary_friction(&self.parameters, &point.inputs) != 0.0
+        (point.touches() || self.parameters.surface_roughness > 0.0) && boundary_friction(&self.parameters, &point.inputs) != 0.0
     }
 
     pub fn system(&mut self, mirrored: bool) -> &mut System {
@@ -267,7 +267,9 @@ impl Balance<'_> {
     /// depth: below the given one its logarithm is nearer to a straight line.
     fn mismatch(&self, unknowns: &[f64]) -> (f64, f64) {
         const LOGARITHMIC: f64 = 1e-3;
-        let (load, given) = (self.system.load(unknowns, &self.contact_forces()), self.inputs.applied_load);
+        let (active, contact_forces) = (&self.active, &self.contact_forces());
+        let at = At { unknowns, active, contact_forces, inputs: &self.inputs, rates: self.task.rates };
+        let (load, given) = (self.system.load(at), self.inputs.applied_load);
         if load > LOGARITHMIC * given && load < given {
             (given * (load / given).ln(), given / load)
         } else {

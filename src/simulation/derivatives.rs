@@ -43,9 +43,10 @@ fn changes(
     let mut changes = system.respond(point.at(rates), causes).map_err(|singular| singular.to_string())?;
     if let (true, Some((by_depth, others))) = (loaded, changes.split_last_mut()) {
         // The depth follows so that the load changes as it is told to.
-        let stiffness = system.load(&by_depth.unknowns, &by_depth.contact_forces);
+        let at = point.at(rates);
+        let stiffness = system.loads(at, by_depth).total().eps;
         for (change, load) in others.iter_mut().zip(loads) {
-            let approach = (load - system.load(&change.unknowns, &change.contact_forces)) / stiffness;
+            let approach = (load - system.loads(at, change).total().eps) / stiffness;
             change.inputs.penetration_depth = approach;
             let add = |values: &mut [f64], slope: &[f64]| {
                 values.iter_mut().zip(slope).for_each(|(value, slope)| *value += approach * slope);

@@ -199,7 +199,7 @@ fn under_load(
 
 /// Load per unit depth [N/m].
 pub(super) fn load(bodies: &mut Bodies, point: &Point) -> f64 {
-    bodies.system(point.mirrored).load(&point.unknowns, &point.contact_forces)
+    bodies.system(point.mirrored).load(point.at(None))
 }
 
 fn rest(bodies: &mut Bodies, inputs: &Inputs) -> Steady {

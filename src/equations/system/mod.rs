@@ -1,14 +1,18 @@
 //! The discrete system: two poroelastic layers, the film between them and their contact, as one set of equations.
 
+mod load;
 mod residual;
 mod tangent;
 mod update;
 
+pub use load::{Loads, chain};
 pub use tangent::{At, Change, Direction};
 
 use serde::{Deserialize, Serialize};
 
+use crate::equations::contact::RoughContact;
 use crate::equations::film::{self, Film, MassRate};
+use crate::equations::film_end::{FilmEnd, Outflow};
 use crate::equations::layout::{Layout, Quantity};
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
@@ -16,6 +20,7 @@ use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
 use crate::laws::contact::mobilised_friction;
 use crate::laws::darcy::HolmesMow;
 use crate::laws::neo_hookean::NeoHookean;
+use crate::laws::roughness::Roughness;
 use crate::laws::{Formulation, PermeabilityLaw};
 use crate::parameters::{Body, Inputs, Mesh, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
@@ -96,6 +101,8 @@ pub struct System {
     /// The unknowns.
     pub layout: Layout,
     film: Film,
+    /// The film beyond the sector; none where it ends there with p = 0.
+    film_ends: Option<[FilmEnd; 2]>,
     parameters: Parameters,
     contact_stiffness: f64,
     stress_scale: f64,
@@ -128,6 +135,19 @@ fn moves(inputs: &Inputs, rates: Option<&Rates>) -> bool {
 /// Half the width of the interface [m].
 pub fn half_width(parameters: &Parameters) -> f64 {
     parameters.upper.outer_radius.min(parameters.lower.outer_radius) * parameters.sector_half_angle.sin()
+}
+
+/// Roughness of the surfaces; none where they are smooth.
+pub fn roughness(parameters: &Parameters) -> Option<Roughness> {
+    let p = parameters;
+    (p.surface_roughness > 0.0).then_some(Roughness {
+        rms: p.surface_roughness,
+        law: p.asperity_law,
+        asperity_pressure: p.asperity_pressure,
+        asperity_decay: p.asperity_decay,
+        core_pressure: p.core_pressure,
+        core_decay: p.core_decay,
+    })
 }
 
 /// Traction on the upper body's tissue per unit of contact pressure, positive along -x.
@@ -212,11 +232,23 @@ impl System {
             }
         }
         let meshes: Vec<_> = layers.iter().map(|layer| &layer.mesh).collect();
-        let layout = Layout::new(&meshes, p.cavitation);
+        let consistent = p.formulation == Formulation::Consistent;
+        let layout = Layout::new(&meshes, p.cavitation, consistent);
+        let film_ends = (consistent && !p.cavitation).then(|| {
+            let x = half_width;
+            let sum = |f: &dyn Fn(f64) -> f64| f(p.upper.outer_radius) + f(p.lower.outer_radius);
+            // Of a circle: y' = x/R / sqrt(1 - (x/R)^2).
+            let slope = sum(&|radius| (x / radius) / (1.0 - (x / radius).powi(2)).sqrt());
+            let curvature = sum(&|radius| 1.0 / radius);
+            [-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, viscosity: p.viscosity })
+        });
 
+        let copies = if mirrored { 2.0 } else { 1.0 };
         let modulus = layers.iter().map(Layer::aggregate_modulus).fold(0.0, f64::max);
         let thickness = p.upper.thickness.max(p.lower.thickness);
         let mobility = layers.iter().map(|layer| layer.tissue.mobility).fold(0.0, f64::max);
+        // Both bodies give way to a ripple of pressure.
+        let shear_modulus = 2.0 / layers.iter().map(|layer| copies / layer.tissue.solid.shear_modulus).sum::<f64>();
         // One micron of displacement goes with this much pressure; rows are scaled to match.
         let (length, pressure) = (1e-6, 1e-6 * modulus / thickness);
         let column_scale = layout.quantities.iter().map(|q| match q {
@@ -241,7 +273,9 @@ impl System {
                 fluid_compressibility: p.fluid_compressibility,
                 pressure_order: p.pressure_order,
                 tears: p.cavitation,
+                rough: roughness(p).map(|rough| (rough, shear_modulus)),
             },
+            film_ends,
             parameters: *parameters,
             contact_stiffness: modulus / thickness,
             stress_scale: modulus,
@@ -255,6 +289,26 @@ impl System {
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.layout.unknowns()
+    }
+
+    /// Roughness of the surfaces; none where they are smooth.
+    pub fn roughness(&self) -> Option<&Roughness> {
+        self.film.rough.as_ref().map(|(rough, _)| rough)
+    }
+
+    /// Contact of rough surfaces, which is part of the elements; that of smooth ones is the active set.
+    fn rough_contact(&self, inputs: &Inputs) -> Option<RoughContact> {
+        self.roughness().map(|roughness| RoughContact {
+            roughness: *roughness,
+            friction: self.friction(inputs).0,
+            solid_fraction: self.parameters.solid_fraction,
+        })
+    }
+
+    /// Distances of the surfaces at the nodes of an element of the first row.
+    fn gaps(&self, element: usize, unknowns: &[f64]) -> [f64; 3] {
+        let first = 2 * (element / self.layers[0].mesh.rows);
+        std::array::from_fn(|a| unknowns[self.layout.gap[first + a] as usize])
     }
 
     /// Whether only the upper body is solved for.
@@ -348,6 +402,16 @@ impl System {
         let moves = moves(at.inputs, at.rates);
         let torn = |i: usize| !at.active[i] && self.layout.void[i] != FIXED && self.is_torn(i, at.unknowns, moves);
         (0..self.stations.len()).map(torn).collect()
+    }
+
+    /// What leaves through the ends of the film: station, and flux with its derivatives.
+    fn film_outflows(&self, unknowns: &[f64], sliding_speed: f64) -> impl Iterator<Item = (usize, Outflow)> {
+        let last = self.stations.len() - 1;
+        self.film_ends.iter().flatten().zip([0, last]).map(move |(end, station)| {
+            let gap = unknowns[self.layout.gap[station] as usize];
+            let pressure = self.layout.pressure[0][station * self.layers[0].mesh.levels()];
+            (station, end.outflow(gap, unknowns[pressure as usize], sliding_speed))
+        })
     }
 
     fn film_length(&self, column: usize) -> f64 {

@@ -24,11 +24,13 @@ impl System {
     /// about larger changes. The tissue below follows, less and less towards the bone, so that no element is turned inside out.
     pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
         let thin = THIN_FILM * self.thickness;
+        // The pressure of rough surfaces rises many times over this length.
+        let closing = self.roughness().map_or(f64::INFINITY, |rough| rough.rms);
         let gaps: Vec<f64> = self.layout.gap.iter().map(|number| unknowns[*number as usize]).collect();
         unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
         for (station, before) in gaps.into_iter().enumerate() {
             let gap = &mut unknowns[self.layout.gap[station] as usize];
-            let smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { 0.1 * before };
+            let smallest = if active[station] || before <= thin { before - closing } else { 0.1 * before };
             let limited = gap.min((3.0 * before).max(5.0 * thin)).max(smallest);
             let correction = limited - *gap;
             *gap = limited;
