@@ -38,14 +38,23 @@ pub struct Body {
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mesh {
-    /// Elements along the articular surface.
+    /// Elements along the articular surface; 0 leaves the number to the program.
     pub columns: i32,
-    /// Elements through the thickness.
+    /// Elements through the thickness; 0 leaves the number to the program.
     pub rows: i32,
     /// Strength of the sinh grading towards x = 0; 0 is uniform.
     pub column_grading: f64,
     /// Strength of the sinh grading towards the articular surface; 0 is uniform.
     pub row_grading: f64,
+}
+
+/// Where the nodes of the mesh are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum MeshDistribution {
+    /// By the gradings of [`Mesh`], on a sector that stays.
+    Graded,
+    /// Dense at the edges of the contact and below the surface; steady states take it along as the contact grows.
+    Contact,
 }
 
 /// What time does to the layers.
@@ -82,7 +91,7 @@ pub struct Parameters {
     pub upper: Body,
     /// The body below the film.
     pub lower: Body,
-    /// Half the angle of the sector that is modelled [rad]; of the body with the smaller radius.
+    /// Half the angle of the sector that is modelled [rad]; of the body with the smaller radius. 0: it goes with the contact.
     pub sector_half_angle: f64,
     /// Extent out of the plane [m]: turns forces per unit depth into forces.
     pub width: f64,
@@ -104,6 +113,8 @@ pub struct Parameters {
     pub formulation: Formulation,
     /// The mesh of each body.
     pub mesh: Mesh,
+    /// Where its nodes are.
+    pub mesh_distribution: MeshDistribution,
     /// Order of the pore pressure's shape functions: 1 or 2.
     pub pressure_order: i32,
     /// Newton stops when an update is below this, relative to the fields.
@@ -184,6 +195,7 @@ impl Default for Parameters {
             shear_film_offset: 1e-7,
             formulation: Formulation::Paper,
             mesh: Mesh { columns: 120, rows: 8, column_grading: 2.5, row_grading: 2.0 },
+            mesh_distribution: MeshDistribution::Graded,
             pressure_order: 2,
             tolerance: 1e-6,
             fidelity: Fidelity::Full,
@@ -281,6 +293,14 @@ impl Parameters {
         let mut copy = *self;
         for row in PARAMETERS {
             row.set(&mut copy, &row.get(self))?;
+        }
+        if (1..8).contains(&self.mesh.columns) {
+            let allowed = "8 or more, or 0 to leave the number to the program";
+            return Err(Error::value("mesh.columns", self.mesh.columns, allowed));
+        }
+        let sector = self.sector_half_angle;
+        if sector > 0.0 && sector < 1e-3 {
+            return Err(Error::value("sector_half_angle", sector, "1e-3 rad or more, or 0 for one that goes with the contact"));
         }
         if self.surface_roughness > 0.0 && self.cavitation {
             return Err(Error::value(

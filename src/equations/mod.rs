@@ -3,6 +3,7 @@
 pub mod contact;
 pub mod film;
 pub mod film_end;
+pub mod grid;
 pub mod inflow;
 pub mod layout;
 pub mod system;

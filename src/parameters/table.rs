@@ -1,6 +1,6 @@
 //! The table of parameters: names, units, ranges and descriptions, and how values are read and set by name.
 
-use super::{AsperityLaw, Control, Fidelity, Formulation, PRESETS, Parameters, PermeabilityLaw, TimeIntegration, presets};
+use super::{AsperityLaw, Control, Fidelity, Formulation, MeshDistribution, PRESETS, Parameters, PermeabilityLaw, TimeIntegration, presets};
 use crate::error::Error;
 use crate::units::Unit;
 
@@ -235,9 +235,9 @@ static COMMON_ROWS: [Parameter; 20] = [
     real(
         "sector_half_angle",
         Unit::Radian,
-        [1e-3, 0.7, 0.1],
+        [0.0, 0.7, 0.1],
         |p| &mut p.sector_half_angle,
-        "Half the angle of the modelled sector of the body with the smaller radius",
+        "Half the angle of the modelled sector of the body with the smaller radius; 0: it goes with the contact",
     ),
     real(
         "width",
@@ -297,8 +297,8 @@ static COMMON_ROWS: [Parameter; 20] = [
             Formulation::Consistent => ("consistent", "Total-stress poroelasticity at finite strain, regularised Coulomb friction"),
         ]
     ),
-    integer("mesh.columns", [8, 2000], |p| &mut p.mesh.columns, "Elements along the articular surface"),
-    integer("mesh.rows", [1, 200], |p| &mut p.mesh.rows, "Elements through the thickness of a layer"),
+    integer("mesh.columns", [0, 2000], |p| &mut p.mesh.columns, "Elements along the articular surface; 0 leaves the number to the program"),
+    integer("mesh.rows", [0, 200], |p| &mut p.mesh.rows, "Elements through the thickness of a layer; 0 leaves the number to the program"),
     real(
         "mesh.column_grading",
         Unit::One,
@@ -414,7 +414,16 @@ static CAVITATION_ROWS: [Parameter; 2] = [
     ),
 ];
 
-static ROUGHNESS_ROWS: [Parameter; 7] = [
+static ROUGHNESS_ROWS: [Parameter; 8] = [
+    choice!(
+        "mesh.distribution",
+        "Where the nodes of the mesh are",
+        mesh_distribution,
+        [
+            MeshDistribution::Graded => ("graded", "By mesh.column_grading and mesh.row_grading, on a mesh that stays"),
+            MeshDistribution::Contact => ("contact", "Dense at the edges of the contact and below the surface; goes with the contact between steady states"),
+        ]
+    ),
     real(
         "surface_roughness",
         Unit::Metre,
@@ -469,10 +478,10 @@ static ROUGHNESS_ROWS: [Parameter; 7] = [
 ];
 
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 50] = {
+pub static PARAMETERS: [&Parameter; 51] = {
     let parts: [&[Parameter]; 6] =
         [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &CAVITATION_ROWS, &ROUGHNESS_ROWS];
-    let mut rows = [&BODY_ROWS[0]; 50];
+    let mut rows = [&BODY_ROWS[0]; 51];
     let (mut part, mut first, mut place) = (0, 0, 0);
     while place < rows.len() {
         if place - first == parts[part].len() {
