@@ -37,8 +37,11 @@ fn curvature(parameters: &Parameters) -> f64 {
     1.0 / parameters.upper.outer_radius + 1.0 / parameters.lower.outer_radius
 }
 
-/// Half the width of the contact that these inputs are expected to make [m], by the theory of thin bonded layers (Meijers 1968; Jaffar
-/// 1989) for undrained tissue; where the bones are apart, the width over which the film builds up pressure. 0 where the mesh stays.
+/// Half the width, in the undeformed layers, of the contact that these inputs are expected to make [m]; where the bones are apart, the
+/// width over which the film builds up pressure. 0 where the mesh stays.
+///
+/// By the theory of thin bonded layers (Meijers 1968; Jaffar 1989) for undrained tissue, with the spreading of tissue that is pressed
+/// flat. It says where columns are dense: that need not be exact.
 pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs) -> f64 {
     if !moves(parameters) {
         return 0.0;
@@ -47,27 +50,26 @@ pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs) -> f64 {
     let thickness = 0.5 * (parameters.upper.thickness + parameters.lower.thickness);
     // Films of lubricated cartilage are some micron thick.
     const FILM: f64 = 3e-6;
-    let pressed = |depth: f64| {
-        // delta R/a^2 of the table of a/t = 1, 2, 4 within 2 %; 1/6 is the limit of a thin incompressible layer.
-        let indentation = |a: f64| curvature * a * a * (1.0 / 6.0 + 0.27 * (thickness / a).powf(0.74));
-        root(|a| indentation(a), depth)
-    };
-    let depth = match parameters.control {
-        Control::Depth => inputs.penetration_depth,
+    // delta R/a^2 of the table for Poisson's ratio 1/2, a/t = 1, 2, 4, within 2 %; 1/6 is the limit of a thin layer.
+    let indentation = |a: f64| curvature * a * a * (1.0 / 6.0 + 0.27 * (thickness / a).powf(0.74));
+    let (pressed, apart) = match parameters.control {
+        Control::Depth => {
+            let depth = inputs.penetration_depth;
+            let smooth = depth.hypot(FILM);
+            (root(indentation, 0.5 * (smooth + depth)), (smooth - depth) / curvature)
+        }
         Control::Load => {
-            // W R/(G a^2) of the table of a/t = 1, 2, 4 within 5 %.
+            // W R/(G a^2) likewise within a tenth up to a/t = 2, and as computed at finite strain up to a/t = 6.
             let modulus = 2.0 / (1.0 / parameters.upper.shear_modulus + 1.0 / parameters.lower.shear_modulus);
             let carried = |a: f64| {
                 let ratio = a / thickness;
-                0.5 * curvature * modulus * a * a * (4.9 * ratio + 1.1 * ratio.powf(2.2))
+                0.5 * curvature * modulus * a * a * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
             };
-            let a = root(carried, inputs.applied_load.max(0.0));
-            return a.hypot((2.0 * FILM / curvature).sqrt());
+            (root(carried, inputs.applied_load.max(0.0)), 2.0 * FILM / curvature)
         }
     };
-    let smooth = depth.hypot(FILM);
-    let apart = (smooth - depth) / curvature;
-    pressed(0.5 * (smooth + depth)).hypot(apart.sqrt())
+    let flattened = 0.5 * indentation(pressed) / thickness;
+    (pressed / (1.0 + 1.08 * flattened)).hypot(apart.sqrt())
 }
 
 /// Where an increasing function of a length, 0 at 0, has this value [m].
