@@ -289,7 +289,7 @@ mod tests {
 
     #[test]
     fn the_first_mistake_of_the_file_is_reported() {
-        assert!(message("width = 1\nviscosity = -1\ndensity = -1").starts_with("case.toml:2:"));
+        assert!(message("width = 1\nviscosity = -1\nfluid_compressibility = -1").starts_with("case.toml:2:"));
     }
 
     #[test]
