@@ -484,6 +484,7 @@ pub fn referred(reference: u32) -> Option<&'static Variable> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outputs::RealTime;
 
     #[test]
     fn names_are_unique_and_start_values_are_allowed() {
@@ -536,6 +537,39 @@ mod tests {
         ] {
             assert_eq!(find(name).unwrap().reference, reference, "{name}");
         }
+    }
+
+    #[test]
+    fn results_may_be_of_any_type() {
+        static ROWS: [ResultRow; 2] = {
+            let (unit, nominal, description, real_time) = (Unit::One, 1.0, "", RealTime::Absent);
+            [
+                ResultRow {
+                    name: "count",
+                    reference: 901,
+                    unit,
+                    nominal,
+                    description,
+                    real_time,
+                    get: Get::Integer(|o| o.newton_iterations),
+                },
+                ResultRow {
+                    name: "flag",
+                    reference: 902,
+                    unit,
+                    nominal,
+                    description,
+                    real_time,
+                    get: Get::Boolean(|o| o.load > 1.0),
+                },
+            ]
+        };
+        let outputs = &Outputs { load: 2.0, newton_iterations: 3, ..Outputs::default() };
+        let (parameters, inputs) = (&Parameters::default(), &Inputs::default());
+        let view = View { parameters, inputs, outputs, contact_stiffness: 0.0, position: &[] };
+        let found: Vec<_> = ROWS.iter().flat_map(of_result).map(|row| (row.data_type(), row.get(&view))).collect();
+        assert_eq!(found, [(Type::Integer, Value::Integer(3)), (Type::Boolean, Value::Boolean(true))]);
+        assert!(ROWS.iter().flat_map(of_result).all(|row| row.is_output() && row.derivative(outputs).is_none()));
     }
 
     #[test]

@@ -203,3 +203,18 @@ pub fn escape(text: &str) -> String {
     let pairs: BTreeMap<char, &str> = [('&', "&amp;"), ('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;")].into();
     text.chars().map(|c| pairs.get(&c).map_or_else(|| c.to_string(), |entity| (*entity).into())).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variables_that_share_a_type_have_the_same_words() {
+        let mut types: BTreeMap<String, &[(&str, &str)]> = BTreeMap::new();
+        for variable in VARIABLES.iter() {
+            if let Type::Enumeration(items) = variable.data_type() {
+                assert_eq!(*types.entry(type_name(variable)).or_insert(items), items, "{}", variable.name);
+            }
+        }
+    }
+}

@@ -308,8 +308,8 @@ macro_rules! results {
     };
 }
 
-// Value references of what went are in `RETIRED` of variables.rs. New ones: above the largest below 1000; profiles take 101 each, from
-// 1000.
+// Value references: 477 and on are free for all variables, those from 1000 for profiles, which take 101 each. Those of variables that
+// are no more are in variables.rs.
 results! {
     /// L = L_f + L_s.
     5 load: real(Unit::NewtonPerMetre, 1e3), derived, "Load per unit depth, fluid and solid together";

@@ -365,11 +365,27 @@ const _: () = assert!(COUNT <= u128::BITS as usize);
 mod tests {
     use super::*;
 
-    // Both bodies of a case have the fields of `Body`, and there the kinds of rows are tried on what is there.
     #[test]
-    fn real_rows_of_both_bodies_reach_their_own_body() {
+    fn one_row_makes_a_choice_for_each_body() {
+        // Any constants make a choice, numbers too.
+        const SOFT: f64 = 1e5;
+        const STIFF: f64 = 1e6;
+        static ROWS: [Parameter; 2] = body_rows! {
+            [900, 901] shear_modulus: choice(SOFT => "soft": "It gives way", STIFF => "stiff": "It does not"), "Stiffness";
+        };
+        let names = ROWS.each_ref().map(|row| (row.reference, row.name, row.description));
+        let lower = (901, "lower.shear_modulus", "Stiffness of the lower body");
+        assert_eq!(names, [(900, "upper.shear_modulus", "Stiffness of the upper body"), lower]);
         let mut parameters = Parameters::default();
-        find("lower.thickness").unwrap().set(&mut parameters, &Value::Real(2e-3)).unwrap();
-        assert_eq!((parameters.upper.thickness, parameters.lower.thickness), (1e-3, 2e-3));
+        for (row, word) in ROWS.iter().zip(["soft", "stiff"]) {
+            row.set(&mut parameters, &Value::Text(word.into())).unwrap();
+            assert_eq!(row.get(&parameters), Value::Text(word.into()));
+        }
+        assert_eq!((parameters.upper.shear_modulus, parameters.lower.shear_modulus), (SOFT, STIFF));
+        let error = ROWS[1].set(&mut parameters, &Value::Text("firm".into())).unwrap_err().to_string();
+        assert!(
+            error.starts_with("lower.shear_modulus = \"firm\" is not allowed: one of \"soft\", \"stiff\""),
+            "{error}"
+        );
     }
 }

@@ -106,3 +106,56 @@ pub fn mirrored(values: &[f64; QUANTITIES]) -> [f64; QUANTITIES] {
     result[SCALARS..].chunks_exact_mut(STATIONS).for_each(<[f64]>::reverse);
     result
 }
+
+#[cfg(test)]
+mod tests {
+    use num_dual::Dual64;
+
+    use super::*;
+    use crate::outputs::{Derived, Direct};
+    use crate::parameters::Parameters;
+
+    /// Outputs of which the interpolated numbers are 0, 1, 2 and so on, and the values of the profiles go on from there.
+    fn counted() -> Outputs {
+        let (mut number, mut station) = (-1.0, SCALARS as f64 - 1.0);
+        let mut next = || {
+            station += 1.0;
+            Dual64::from(station)
+        };
+        let direct = Direct::interpolated(
+            || {
+                number += 1.0;
+                Dual64::from(number)
+            },
+            || (0..STATIONS).map(|_| next()).collect(),
+        );
+        let none = Dual64::from(0.0);
+        let derived = Derived::new(&Parameters::default(), [none; 2], &direct, false, [none; 2], none);
+        Outputs::new(direct, derived).map(|dual| dual.re)
+    }
+
+    #[test]
+    fn what_is_interpolated_comes_back_to_its_place() {
+        let found = quantities(&counted(), 0.0, 1.0);
+        for (q, value) in found.into_iter().enumerate() {
+            let friction = [UPPER_FRICTION, LOWER_FRICTION].contains(&q);
+            assert_eq!(value, if friction { 0.0 } else { q as f64 });
+        }
+        assert_eq!(found[MINIMUM_FILM], counted().minimum_film_thickness);
+        assert_eq!(found[CONTACT_LENGTH], counted().contact_length);
+    }
+
+    #[test]
+    fn the_mirror_image_of_the_mirror_image_is_the_state() {
+        let mut state = quantities(&counted(), 0.0, 1.0);
+        state[UPPER_FRICTION] = 2.5;
+        let mirror = mirrored(&state);
+        assert_eq!(mirrored(&mirror), state);
+        assert_eq!(mirror[UPPER_FRICTION], -2.5);
+        assert_eq!(mirror[MINIMUM_FILM], state[MINIMUM_FILM]);
+        // What touches from a to a + b touches in the mirror from -(a + b) to -a.
+        let place = place("minimum_film_position");
+        assert_eq!(mirror[place], -(state[place] + state[CONTACT_LENGTH]));
+        assert_eq!(mirror[SCALARS], state[SCALARS + STATIONS - 1]);
+    }
+}
