@@ -49,7 +49,8 @@ impl RoughContact {
         for (a, gap) in gaps.into_iter().enumerate() {
             let (s, weight) = (a as f64 - 1.0, 2.0 * SIMPSON[a]);
             let slope = quadratic_derivative(s);
-            let along = |k: usize| -> f64 { (0..3).map(|b| slope[b] * (mesh.nodes[nodes[b]][k] + at[k * NODES + b])).sum() };
+            let along =
+                |k: usize| -> f64 { (0..3).map(|b| slope[b] * (mesh.nodes[nodes[b]][k] + at[k * NODES + b])).sum() };
             let (x, y) = (along(0), along(1));
             let shape = pressure(mesh.pressure_order, s);
             let fluid: f64 = (0..3).map(|b| shape[b] * at[2 * NODES + b]).sum();

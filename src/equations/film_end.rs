@@ -83,7 +83,8 @@ impl FilmEnd {
         let open = f64::from(gap.re > LEAST_GAP);
         let [one, two, three, _] = self.integrals(gap.re.max(LEAST_GAP));
         // dI_n/dh = -n I_(n+1)
-        let [one, two] = [(one, -two), (two, -2.0 * three)].map(|(value, slope)| Dual64::new(value, open * slope * gap.eps));
+        let [one, two] =
+            [(one, -two), (two, -2.0 * three)].map(|(value, slope)| Dual64::new(value, open * slope * gap.eps));
         let Outflow { value, by_gap, by_pressure, by_speed } = self.outflow(gap.re, pressure.re, sliding_speed.re);
         let change = by_gap * gap.eps + by_pressure * pressure.eps + by_speed * sliding_speed.eps;
         let flux = Dual64::new(value, change) * self.side;
@@ -125,7 +126,11 @@ mod tests {
             let flux = end.outflow(h, p, u);
             let central = |f: &dyn Fn(f64) -> f64, step: f64| (f(step) - f(-step)) / (2.0 * step);
             assert_relative_eq!(flux.by_gap, central(&|s| end.outflow(h + s, p, u).value, 1e-9), max_relative = 1e-6);
-            assert_relative_eq!(flux.by_pressure, central(&|s| end.outflow(h, p + s, u).value, 1.0), max_relative = 1e-6);
+            assert_relative_eq!(
+                flux.by_pressure,
+                central(&|s| end.outflow(h, p + s, u).value, 1.0),
+                max_relative = 1e-6
+            );
             assert_relative_eq!(flux.by_speed, central(&|s| end.outflow(h, p, u + s).value, 1e-3), max_relative = 1e-6);
         }
     }

@@ -136,10 +136,8 @@ impl LayerMesh {
         let nodes = self.element_nodes(element).map(|n| self.nodes[n]);
         let sum = |values: &[f64; NODES], k: usize| -> f64 { (0..NODES).map(|a| values[a] * nodes[a][k]).sum() };
         let shape = tensor(quadratic(s), quadratic(t));
-        let (by_s, by_t) = (
-            tensor(quadratic_derivative(s), quadratic(t)),
-            tensor(quadratic(s), quadratic_derivative(t)),
-        );
+        let (by_s, by_t) =
+            (tensor(quadratic_derivative(s), quadratic(t)), tensor(quadratic(s), quadratic_derivative(t)));
         let jacobian = [sum(&by_s, 0), sum(&by_t, 0), sum(&by_s, 1), sum(&by_t, 1)];
         let [xs, xt, ys, yt] = jacobian;
         let v = velocity([sum(&shape, 0), sum(&shape, 1)]);

@@ -136,7 +136,8 @@ impl Bodies {
 
     /// Whether boundary friction pulls the two bodies apart sideways.
     pub fn drags(&self, point: &Point) -> bool {
-        (point.touches() || self.parameters.surface_roughness > 0.0) && boundary_friction(&self.parameters, &point.inputs) != 0.0
+        (point.touches() || self.parameters.surface_roughness > 0.0)
+            && boundary_friction(&self.parameters, &point.inputs) != 0.0
     }
 
     /// The equations that a point is a solution of, on its mesh.

@@ -315,7 +315,8 @@ impl State {
             && kept.is_none_or(|place| fits(&place.point))
             && match &self.path {
                 Path::Steady(kept, before) => {
-                    kept.as_ref().is_none_or(|kept| kept.fits(unknowns)) && before.as_ref().is_none_or(|point| fits(point))
+                    kept.as_ref().is_none_or(|kept| kept.fits(unknowns))
+                        && before.as_ref().is_none_or(|point| fits(point))
                 }
                 Path::Transient(motion) => motion.fits(unknowns, (stations - 1) / 2) && fits(&motion.last.start),
             }

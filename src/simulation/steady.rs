@@ -230,7 +230,9 @@ fn travel(bodies: &mut Bodies, from: &Steady, inputs: &Inputs, iterations: &mut 
     let mut rest = (!cold).then(|| rest(bodies, inputs));
     let mut state = from.clone();
     let moves = grid::moves(&bodies.parameters);
-    let way = |to: f64| if moves { along_contact(&from.point.inputs, inputs, to) } else { between(&from.point.inputs, inputs, to) };
+    let way = |to: f64| {
+        if moves { along_contact(&from.point.inputs, inputs, to) } else { between(&from.point.inputs, inputs, to) }
+    };
     let first = if moves { first_step(&from.point.inputs, inputs) } else { 1.0 };
     let result = continuation::advance(first, |to| {
         let target = way(to);

@@ -147,7 +147,6 @@ pub fn solve(
         problem.solve(&mut update).map_err(fail)?;
         broyden.correct(&mut update);
         let size = problem.relative_size(unknowns, &update);
-        if std::env::var("TRACE").is_ok() { eprintln!("  it {iterations} size {size:.3e} stale {stale}"); }
         if !size.is_finite() {
             return Err(fail("the update is not finite".into()));
         }

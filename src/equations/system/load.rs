@@ -15,6 +15,8 @@ pub struct Loads {
     pub solid: Dual64,
     /// Integral of real contact's share times the fluid's pressure (rough surfaces).
     pub fluid_in_contact: Dual64,
+    /// Integral of real contact's share times all pressure.
+    pub in_real_contact: Dual64,
 }
 
 impl Loads {
@@ -31,7 +33,8 @@ impl System {
             true => Dual64::new(at.contact_forces[i], change.contact_forces[i]) / self.weights[i],
             false => Dual64::from(0.0),
         };
-        let rough = |i: usize| self.roughness().map(|rough| chain(rough.pressure(at.gap(self, i)), self.gap_change(change, i)));
+        let rough =
+            |i: usize| self.roughness().map(|rough| chain(rough.pressure(at.gap(self, i)), self.gap_change(change, i)));
         (0..self.stations.len()).map(|i| rough(i).unwrap_or_else(|| smooth(i))).collect()
     }
 
@@ -43,7 +46,7 @@ impl System {
     /// surfaces (the mean of both bodies), else over the undeformed ones.
     pub fn loads(&self, at: At<'_>, change: &Change) -> Loads {
         let zero = Dual64::from(0.0);
-        let mut loads = Loads { fluid: zero, solid: zero, fluid_in_contact: zero };
+        let mut loads = Loads { fluid: zero, solid: zero, fluid_in_contact: zero, in_real_contact: zero };
         let rough = self.roughness();
         let levels = self.layers[0].mesh.levels();
         let value = |number: u32| match number {
@@ -51,15 +54,15 @@ impl System {
             number => Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]),
         };
         for first in (0..self.stations.len() - 1).step_by(2) {
-            let nodal = |numbers: &[u32]| -> [Dual64; 3] { std::array::from_fn(|a| value(numbers[(first + a) * levels])) };
+            let nodal =
+                |numbers: &[u32]| -> [Dual64; 3] { std::array::from_fn(|a| value(numbers[(first + a) * levels])) };
             let fluid = nodal(&self.layout.pressure[0]);
             let length = 0.5 * (self.stations[first + 2] - self.stations[first]);
             // dx/ds of the surfaces.
             let sideways: Vec<[Dual64; 3]> = self.layout.horizontal.iter().map(|numbers| nodal(numbers)).collect();
             let stretch = |s: f64, deformed: bool| -> Dual64 {
                 let slope = quadratic_derivative(s);
-                let change: Dual64 =
-                    sideways.iter().map(|u| (0..3).map(|a| u[a] * slope[a]).sum::<Dual64>()).sum();
+                let change: Dual64 = sideways.iter().map(|u| (0..3).map(|a| u[a] * slope[a]).sum::<Dual64>()).sum();
                 if deformed { change / self.layers.len() as f64 + length } else { Dual64::from(length) }
             };
             let order = self.layers[0].mesh.pressure_order;
@@ -72,8 +75,12 @@ impl System {
                     let (s, i) = (a as f64 - 1.0, first + a);
                     let gap = (at.gap(self, i), self.gap_change(change, i));
                     let weight = stretch(s, true) * (2.0 * share);
-                    loads.solid += chain(rough.pressure(gap.0), gap.1) * weight;
-                    loads.fluid_in_contact += chain(rough.real_contact_share(gap.0), gap.1) * interpolated(s) * weight;
+                    let solid = chain(rough.pressure(gap.0), gap.1) * weight;
+                    let fluid = interpolated(s) * weight;
+                    let share = chain(rough.real_contact_share(gap.0), gap.1);
+                    loads.solid += solid;
+                    loads.fluid_in_contact += share * fluid;
+                    loads.in_real_contact += share * (solid + fluid);
                 }
             }
         }

@@ -248,7 +248,9 @@ impl System {
                 }
             }
             let stations = 2 * column..=2 * column + 2;
-            for (station, outflow) in self.film_outflows(unknowns, inputs.sliding_speed).filter(|(i, _)| stations.contains(i)) {
+            for (station, outflow) in
+                self.film_outflows(unknowns, inputs.sliding_speed).filter(|(i, _)| stations.contains(i))
+            {
                 let a = station - 2 * column;
                 matrix[(NODES + a) * m + 2 * NODES + a] += outflow.by_gap / self.copies();
                 matrix[(2 * NODES + a) * m + 2 * NODES + a] += outflow.by_pressure / self.copies();
@@ -369,7 +371,11 @@ impl System {
                 let mut local = self.element_by_speed(body, element, &local_at, inputs).map(|v| v * speeds[body]);
                 if at_bone {
                     let change = self.local_change(body, element, &none, direction.penetration_depth);
-                    add_product(&self.element_tangent(body, element, &local_at, unknowns, inputs, rates), &change, &mut local);
+                    add_product(
+                        &self.element_tangent(body, element, &local_at, unknowns, inputs, rates),
+                        &change,
+                        &mut local,
+                    );
                 }
                 self.scatter(body, element, &local, values);
             }
