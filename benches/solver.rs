@@ -24,7 +24,7 @@ fn at_depth(micron: f64) -> Inputs {
 }
 
 fn element(criterion: &mut Criterion) {
-    let system = System::new(&parameters(), true);
+    let system = System::new(&parameters(), true, 0.0);
     let inputs = Inputs::default();
     let layer = &system.layers[0];
     let at = system.local(0, 100, &system.rest(inputs.penetration_depth), inputs.penetration_depth);
@@ -47,7 +47,7 @@ fn element(criterion: &mut Criterion) {
 
 fn system(criterion: &mut Criterion) {
     let inputs = Inputs::default();
-    let mut system = System::new(&parameters(), true);
+    let mut system = System::new(&parameters(), true, 0.0);
     let unknowns = system.rest(inputs.penetration_depth);
     let mut active = vec![false; system.stations.len()];
     let mut residual = Residual::default();

@@ -111,14 +111,22 @@ fn the_reference_result_is_what_the_fmu_returns() {
         write!(result, "{:?}", time(step)).unwrap();
         for variable in &outputs {
             let reference = [reference(&variable.name)];
-            if variable.data_type() == Type::Real {
-                let mut value = [f64::NAN];
-                instance.get_real(&reference, &mut value).unwrap();
-                write!(result, ",{:.9e}", value[0]).unwrap();
-            } else {
-                let mut value = [0];
-                instance.get_integer(&reference, &mut value).unwrap();
-                write!(result, ",{}", value[0]).unwrap();
+            match variable.data_type() {
+                Type::Real => {
+                    let mut value = [f64::NAN];
+                    instance.get_real(&reference, &mut value).unwrap();
+                    write!(result, ",{:.9e}", value[0]).unwrap();
+                }
+                Type::Boolean => {
+                    let mut value = [false];
+                    instance.get_boolean(&reference, &mut value).unwrap();
+                    write!(result, ",{}", u8::from(value[0])).unwrap();
+                }
+                Type::Integer | Type::Enumeration(_) => {
+                    let mut value = [0];
+                    instance.get_integer(&reference, &mut value).unwrap();
+                    write!(result, ",{}", value[0]).unwrap();
+                }
             }
         }
         result.push('\n');

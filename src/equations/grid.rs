@@ -37,6 +37,33 @@ fn curvature(parameters: &Parameters) -> f64 {
     1.0 / parameters.upper.outer_radius + 1.0 / parameters.lower.outer_radius
 }
 
+/// delta R/a^2 = d/(c a^2) with the sum of curvatures c, of the table for Poisson's ratio 1/2 at a/t = 1, 2, 4, within 2 %; 1/6 is the
+/// limit of a thin layer. The depth d at which the contact's half-width is a [m].
+fn indentation(parameters: &Parameters, a: f64) -> f64 {
+    curvature(parameters) * a * a * (1.0 / 6.0 + 0.27 * (thickness(parameters) / a).powf(0.74))
+}
+
+/// Half-width at which a load [N/m] is carried: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
+/// strain up to a/t = 6.
+fn half_width_under(parameters: &Parameters, load: f64) -> f64 {
+    let modulus = 2.0 / (1.0 / parameters.upper.shear_modulus + 1.0 / parameters.lower.shear_modulus);
+    let carried = |a: f64| {
+        let ratio = a / thickness(parameters);
+        0.5 * curvature(parameters) * modulus * a * a * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
+    };
+    root(carried, load.max(0.0))
+}
+
+/// The depth at which about this load is carried in motion [m].
+pub fn depth_under(parameters: &Parameters, load: f64) -> f64 {
+    indentation(parameters, half_width_under(parameters, load))
+}
+
+/// Mean thickness of the layers [m].
+fn thickness(parameters: &Parameters) -> f64 {
+    0.5 * (parameters.upper.thickness + parameters.lower.thickness)
+}
+
 /// Half the width, in the undeformed layers, of the contact that these inputs are expected to make [m]; where the bones are apart, the
 /// width over which the film builds up pressure. 0 where the mesh stays.
 ///
@@ -47,28 +74,17 @@ pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs) -> f64 {
         return 0.0;
     }
     let curvature = curvature(parameters);
-    let thickness = 0.5 * (parameters.upper.thickness + parameters.lower.thickness);
-    // Films of lubricated cartilage are some micron thick.
-    const FILM: f64 = 3e-6;
-    // delta R/a^2 of the table for Poisson's ratio 1/2, a/t = 1, 2, 4, within 2 %; 1/6 is the limit of a thin layer.
-    let indentation = |a: f64| curvature * a * a * (1.0 / 6.0 + 0.27 * (thickness / a).powf(0.74));
+    // While bones are nearer than this to first touch, a film of some micron sets the width.
+    const FILM: f64 = 1e-5;
     let (pressed, apart) = match parameters.control {
         Control::Depth => {
             let depth = inputs.penetration_depth;
             let smooth = depth.hypot(FILM);
-            (root(indentation, 0.5 * (smooth + depth)), (smooth - depth) / curvature)
+            (root(|a| indentation(parameters, a), 0.5 * (smooth + depth)), (smooth - depth) / curvature)
         }
-        Control::Load => {
-            // W R/(G a^2) likewise within a tenth up to a/t = 2, and as computed at finite strain up to a/t = 6.
-            let modulus = 2.0 / (1.0 / parameters.upper.shear_modulus + 1.0 / parameters.lower.shear_modulus);
-            let carried = |a: f64| {
-                let ratio = a / thickness;
-                0.5 * curvature * modulus * a * a * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
-            };
-            (root(carried, inputs.applied_load.max(0.0)), 2.0 * FILM / curvature)
-        }
+        Control::Load => (half_width_under(parameters, inputs.applied_load), FILM / curvature),
     };
-    let flattened = 0.5 * indentation(pressed) / thickness;
+    let flattened = 0.5 * indentation(parameters, pressed) / thickness(parameters);
     (pressed / (1.0 + 1.08 * flattened)).hypot(apart.sqrt())
 }
 

@@ -164,8 +164,8 @@ fn under_load(
     }
     if let Some(from) = &from {
         let mut state = from.clone();
-        let arrived = continuation::advance(1.0, |to| {
-            let target = between(&from.point.inputs, inputs, to);
+        let arrived = continuation::advance(first_load_step(&from.point.inputs, inputs), |to| {
+            let target = along_load(&from.point.inputs, inputs, to);
             let (next, spent) = step(bodies, &state, &target, WARM_ITERATIONS, Control::Load);
             *iterations += spent;
             state = next?;
@@ -177,14 +177,19 @@ fn under_load(
     }
     // By strides of the depth until the load is near; each stride is a problem that is known to be solvable.
     let thickness = bodies.system(bodies.equal()).thickness();
-    let mut state = from.unwrap_or_else(|| rest(bodies, inputs));
+    let mut state = from;
     let (mut stride, mut last_side) = (FIRST_STRIDE * thickness, 0.0);
-    let mut depth = state.point.inputs.penetration_depth;
+    let mut depth = match &state {
+        None if grid::moves(&bodies.parameters) => grid::depth_under(&bodies.parameters, given),
+        state => {
+            state.as_ref().map_or_else(|| bodies.rest(inputs).inputs, |state| state.point.inputs).penetration_depth
+        }
+    };
     loop {
-        state = at_depth(bodies, Some(state), &Inputs { penetration_depth: depth, ..*inputs }, iterations)?;
-        let load = load(bodies, &state.point);
+        let next = at_depth(bodies, state, &Inputs { penetration_depth: depth, ..*inputs }, iterations)?;
+        let load = load(bodies, &next.point);
         let reason = if load > given / NEAR && load < given * NEAR {
-            let (result, spent) = step(bodies, &state, inputs, COLD_ITERATIONS, Control::Load);
+            let (result, spent) = step(bodies, &next, inputs, COLD_ITERATIONS, Control::Load);
             *iterations += spent;
             match result {
                 Ok(state) => return Ok(state),
@@ -206,11 +211,12 @@ fn under_load(
         if stride < 1e-9 * thickness || depth.abs() > 10.0 * thickness {
             return Err(Error::NotConverged {
                 requested: format!("applied_load = {given} N/m, {inputs}"),
-                reached: format!("{load} N/m at {}", state.point.inputs),
+                reached: format!("{load} N/m at {}", next.point.inputs),
                 fraction: 0.0,
                 reason,
             });
         }
+        state = Some(next);
     }
 }
 
@@ -226,10 +232,10 @@ fn rest(bodies: &mut Bodies, inputs: &Inputs) -> Steady {
 /// Goes from one state to others by steps of the inputs, at the end through time.
 fn travel(bodies: &mut Bodies, from: &Steady, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, Error> {
     let cold = from.kept.is_none();
-    let limit = if cold { COLD_ITERATIONS } else { WARM_ITERATIONS };
+    let moves = grid::moves(&bodies.parameters);
+    let limit = if cold || moves { COLD_ITERATIONS } else { WARM_ITERATIONS };
     let mut rest = (!cold).then(|| rest(bodies, inputs));
     let mut state = from.clone();
-    let moves = grid::moves(&bodies.parameters);
     let way = |to: f64| {
         if moves { along_contact(&from.point.inputs, inputs, to) } else { between(&from.point.inputs, inputs, to) }
     };
@@ -384,27 +390,30 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
     (result, spent + iterations)
 }
 
-/// The state at the target inputs on the mesh of another contact: as the last two states go on, node by node; from one state alone by
-/// the proportions of the contact.
+/// The state at the target inputs on the mesh of another contact: each node keeps what it has in proportion to the contact, and what
+/// that missed in the last step is added in the proportion of the steps.
 fn carry(bodies: &mut Bodies, from: &Steady, target: &Inputs, contact: f64, control: Control) -> Point {
-    let mut point = Point { contact_half_width: contact, ..from.point.clone() };
-    let share = from.before.as_ref().filter(|before| before.mirrored == point.mirrored).and_then(|before| {
-        let way = changes(&before.inputs, &from.point.inputs, control);
-        let share = proportion(changes(&from.point.inputs, target, control), way)?;
-        (share.abs() <= 2.0).then_some((before, share))
+    let now = &from.point;
+    let mut point = Point { contact_half_width: contact, ..now.clone() };
+    let system = bodies.system(now.mirrored);
+    let ratio = system.carry(&mut point.unknowns, now.contact_half_width, contact);
+    point.inputs.penetration_depth *= ratio;
+    let before = from.before.as_ref().filter(|before| before.mirrored == now.mirrored).and_then(|before| {
+        let way = changes(&before.inputs, &now.inputs, control);
+        proportion(changes(&now.inputs, target, control), way)?;
+        let share = (contact / now.contact_half_width).ln() / (now.contact_half_width / before.contact_half_width).ln();
+        (0.0..=3.0).contains(&share).then_some((before, share))
     });
-    let system = bodies.system(point.mirrored);
-    match share {
-        Some((before, share)) => {
-            point.unknowns.iter_mut().zip(&before.unknowns).for_each(|(now, then)| *now += share * (*now - then));
-            let now = from.point.inputs.penetration_depth;
-            point.inputs.penetration_depth = now + share * (now - before.inputs.penetration_depth);
-            system.keep_films(&mut point.unknowns, &from.point.unknowns);
+    if let Some((before, share)) = before {
+        let mut carried = before.unknowns.clone();
+        let last = system.carry(&mut carried, before.contact_half_width, now.contact_half_width);
+        let kept = point.unknowns.clone();
+        for ((guess, now), carried) in point.unknowns.iter_mut().zip(&now.unknowns).zip(&carried) {
+            *guess += share * ratio * (now - carried);
         }
-        None => {
-            let ratio = system.carry(&mut point.unknowns, from.point.contact_half_width, contact);
-            point.inputs.penetration_depth *= ratio;
-        }
+        system.keep_films(&mut point.unknowns, &kept);
+        point.inputs.penetration_depth +=
+            share * ratio * (now.inputs.penetration_depth - last * before.inputs.penetration_depth);
     }
     if control == Control::Depth {
         system.compress(&mut point.unknowns, target.penetration_depth - point.inputs.penetration_depth);
@@ -490,6 +499,20 @@ fn along_contact(from: &Inputs, to: &Inputs, fraction: f64) -> Inputs {
 fn first_step(from: &Inputs, to: &Inputs) -> f64 {
     let depths = [from, to].map(|inputs| (inputs.penetration_depth + CLEARANCE).max(0.1 * CLEARANCE));
     (0.3 / (depths[1] / depths[0]).ln().abs()).min(1.0)
+}
+
+/// The inputs at a fraction of a way along which the load grows or shrinks by the same factor in equal fractions.
+fn along_load(from: &Inputs, to: &Inputs, fraction: f64) -> Inputs {
+    let mut inputs = between(from, to, fraction);
+    if fraction < 1.0 && from.applied_load > 0.0 && to.applied_load > 0.0 {
+        inputs.applied_load = from.applied_load * (to.applied_load / from.applied_load).powf(fraction);
+    }
+    inputs
+}
+
+/// The first step to try on that way: the load by two thirds.
+fn first_load_step(from: &Inputs, to: &Inputs) -> f64 {
+    (0.5 / (to.applied_load / from.applied_load).ln().abs()).clamp(1e-3, 1.0)
 }
 
 /// The inputs at a fraction of the way.

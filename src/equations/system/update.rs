@@ -35,20 +35,24 @@ impl System {
         }
         for (station, number) in self.layout.gap.iter().enumerate() {
             let gap = &mut unknowns[*number as usize];
-            if *gap > FILM {
-                // What deformed stays in proportion, and the rest follows the undeformed surfaces.
-                *gap = (after[station] + ratio * (*gap - before[station])).max(FILM);
-            }
+            // What deformed stays in proportion, and the rest follows the undeformed surfaces.
+            let proportional = after[station] + ratio * (*gap - before[station]);
+            *gap = if *gap > FILM { proportional.max(FILM) } else { *gap };
+            let correction = *gap - proportional;
+            self.follow(station, correction, unknowns);
         }
         ratio
     }
 
     /// Keeps a film that was extrapolated from `before` between half and twice what it was.
     pub fn keep_films(&self, unknowns: &mut [f64], before: &[f64]) {
-        for number in &self.layout.gap {
+        for (station, number) in self.layout.gap.iter().enumerate() {
             let (gap, before) = (&mut unknowns[*number as usize], before[*number as usize]);
             let (low, high) = if before > 0.0 { (0.5 * before, 2.0 * before) } else { (2.0 * before, 0.5 * before) };
-            *gap = gap.clamp(low, high);
+            let kept = gap.clamp(low, high);
+            let correction = kept - *gap;
+            *gap = kept;
+            self.follow(station, correction, unknowns);
         }
     }
 
@@ -67,13 +71,16 @@ impl System {
             let limited = gap.min((3.0 * before).max(5.0 * thin)).max(smallest);
             let correction = limited - *gap;
             *gap = limited;
-            if correction != 0.0 {
-                for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
-                    let column = &vertical[station * heights.len()..(station + 1) * heights.len()];
-                    for (number, height) in column.iter().zip(heights).filter(|(n, _)| **n != FIXED) {
-                        unknowns[*number as usize] += 0.5 * layer.side * correction * height;
-                    }
-                }
+            self.follow(station, correction, unknowns);
+        }
+    }
+
+    /// Moves the tissue below a station by what its gap was changed, less and less towards the bone.
+    fn follow(&self, station: usize, opening: f64, unknowns: &mut [f64]) {
+        for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
+            let column = &vertical[station * heights.len()..(station + 1) * heights.len()];
+            for (number, height) in column.iter().zip(heights).filter(|(n, _)| **n != FIXED) {
+                unknowns[*number as usize] += 0.5 * layer.side * opening * height;
             }
         }
     }
