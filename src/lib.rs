@@ -42,7 +42,7 @@
 //!                ::advance                      or in time (solver::runge_kutta)
 //!     -> solver::newton::solve                      on equations::system::System, with the active set of contact
 //!       -> equations::{tissue, film}                weak forms: residual and tangent of an element
-//!         -> laws::{neo_hookean, darcy, film, contact}   formulas and their derivatives at a point
+//!         -> laws::{solid, darcy, film, contact}         formulas and their derivatives at a point
 //!       -> solver::linear::Multifrontal             eliminates
 //!   -> outputs::Outputs                             and its derivatives by the inputs
 //!   -> variables::VARIABLES                         names, units and references: command line, CSV, fmi

@@ -4,7 +4,8 @@
 pub mod contact;
 pub mod darcy;
 pub mod film;
-pub mod neo_hookean;
+pub mod kinematics;
+pub mod solid;
 
 /// How permeability answers to strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

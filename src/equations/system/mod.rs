@@ -15,7 +15,7 @@ use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
 use crate::laws::contact::mobilised_friction;
 use crate::laws::darcy::HolmesMow;
-use crate::laws::neo_hookean::NeoHookean;
+use crate::laws::solid::NeoHookean;
 use crate::laws::{Formulation, PermeabilityLaw};
 use crate::parameters::{Body, Inputs, Mesh, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
@@ -162,7 +162,8 @@ impl Layer {
                 solid: NeoHookean {
                     shear_modulus: isochoric * body.shear_modulus,
                     bulk_modulus: volumetric * body.bulk_modulus,
-                },
+                }
+                .into(),
                 biot_coefficient: alpha,
                 mobility: body.permeability / parameters.viscosity,
                 strain_dependence: match parameters.permeability_law {
@@ -182,7 +183,7 @@ impl Layer {
 
     /// Modulus of uniaxial strain [Pa].
     fn aggregate_modulus(&self) -> f64 {
-        self.tissue.solid.bulk_modulus + 4.0 / 3.0 * self.tissue.solid.shear_modulus
+        self.tissue.solid.aggregate_modulus()
     }
 }
 

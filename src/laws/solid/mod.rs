@@ -1,0 +1,112 @@
+//! The drained solid of the tissue: hyperelastic, in plane strain.
+
+mod isotropic;
+mod neo_hookean;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::{Matrix2, Matrix4, Vector4};
+
+use super::kinematics::{Strain, flatten, unflatten};
+use isotropic::{FirstDerivatives, OutOfPlane, SecondDerivatives};
+pub use neo_hookean::NeoHookean;
+
+/// The laws to choose from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Solid {
+    /// Compressible neo-Hookean solid.
+    NeoHookean(NeoHookean),
+}
+
+impl From<NeoHookean> for Solid {
+    fn from(law: NeoHookean) -> Self {
+        Self::NeoHookean(law)
+    }
+}
+
+impl Solid {
+    /// Strain energy W per reference volume [J/m^3].
+    pub fn energy(&self, strain: &Strain) -> f64 {
+        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
+        match self {
+            Self::NeoHookean(law) => law.energy(i, e),
+        }
+    }
+
+    /// First Piola-Kirchhoff stress P = dW/dF [Pa].
+    #[inline(always)]
+    pub fn stress(&self, strain: &Strain) -> Matrix2<f64> {
+        isotropic::stress(&self.first(strain), strain)
+    }
+
+    /// Tangent dP/dF [Pa], rows and columns in the order of [`flatten`].
+    pub fn tangent(&self, strain: &Strain) -> Matrix4<f64> {
+        isotropic::tangent(&self.first(strain), &self.second(strain), strain)
+    }
+
+    /// Modulus of uniaxial strain at small strain, K + 4G/3 [Pa].
+    pub fn aggregate_modulus(&self) -> f64 {
+        self.tangent(&Strain::new(Matrix2::zeros()))[(3, 3)]
+    }
+
+    /// Von Mises stress of the true (Cauchy) effective stress J^-1 P F^T with the out-of-plane stress of plane strain [Pa].
+    pub fn von_mises(&self, strain: &Strain) -> f64 {
+        let [xx, yy, zz, xy] = self.cauchy(strain);
+        (0.5 * ((xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2)) + 3.0 * xy * xy).sqrt()
+    }
+
+    /// Derivative of [`Self::von_mises`] along a change of the displacement gradient.
+    pub fn von_mises_derivative(&self, strain: &Strain, change: &Matrix2<f64>) -> f64 {
+        let [xx, yy, zz, xy] = self.cauchy(strain);
+        let size = self.von_mises(strain);
+        if size == 0.0 {
+            return 0.0;
+        }
+        let (j, f, along) = (strain.volume_ratio(), strain.deformation_gradient(), flatten(change));
+        let relative_volume = flatten(&strain.cofactor).dot(&along) / j;
+        let (p, dp) = (self.stress(strain), unflatten(&(self.tangent(strain) * along)));
+        let d = (dp * f.transpose() + p * change.transpose() - p * f.transpose() * relative_volume) / j;
+        let dzz = self.out_of_plane_derivative(strain).dot(&along) / j - zz * relative_volume;
+        let sum = (xx - yy) * (d.m11 - d.m22) + (yy - zz) * (d.m22 - dzz) + (zz - xx) * (dzz - d.m11);
+        (0.5 * sum + 3.0 * xy * d.m12) / size
+    }
+
+    /// True effective stress: xx, yy, zz, xy [Pa].
+    fn cauchy(&self, strain: &Strain) -> [f64; 4] {
+        let j = strain.volume_ratio();
+        let s = self.stress(strain) * strain.deformation_gradient().transpose() / j;
+        [s.m11, s.m22, self.out_of_plane_stress(strain) / j, s.m12]
+    }
+
+    /// First Piola-Kirchhoff stress P_zz [Pa].
+    pub fn out_of_plane_stress(&self, strain: &Strain) -> f64 {
+        self.out_of_plane(strain).stress
+    }
+
+    /// Its derivative by F [Pa], in the order of [`flatten`].
+    pub fn out_of_plane_derivative(&self, strain: &Strain) -> Vector4<f64> {
+        self.out_of_plane(strain).by_strain(strain)
+    }
+
+    #[inline(always)]
+    fn first(&self, strain: &Strain) -> FirstDerivatives {
+        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
+        match self {
+            Self::NeoHookean(law) => law.first(i, e),
+        }
+    }
+
+    fn second(&self, strain: &Strain) -> SecondDerivatives {
+        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
+        match self {
+            Self::NeoHookean(law) => law.second(i, e),
+        }
+    }
+
+    fn out_of_plane(&self, strain: &Strain) -> OutOfPlane {
+        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
+        match self {
+            Self::NeoHookean(law) => law.out_of_plane(i, e),
+        }
+    }
+}
