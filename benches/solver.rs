@@ -94,7 +94,7 @@ fn points(criterion: &mut Criterion) {
 
 /// Steps of a millisecond through the C interface; the depth goes up and down by 5 microns once a second.
 fn do_step(criterion: &mut Criterion) {
-    let reference = |name: &str| VARIABLES.iter().position(|variable| variable.name == name).unwrap() as u32;
+    let reference = |name: &str| VARIABLES.iter().find(|variable| variable.name == name).unwrap().reference;
     let token = std::ffi::CString::new(fmi2::token()).unwrap();
     let callbacks = fmi2CallbackFunctions {
         logger: None,

@@ -32,7 +32,8 @@
 //! | b | `contact_length` | m |
 //! | G, K, alpha | `shear_modulus`, `bulk_modulus`, `biot_coefficient` | Pa, Pa, 1 |
 //! | kappa | `permeability`; kappa/eta is the hydraulic permeability | m^2 |
-//! | eta, rho, chi | `viscosity`, `density`, `fluid_compressibility` | Pa s, kg/m^3, 1/Pa |
+//! | eta, chi | `viscosity`, `fluid_compressibility` | Pa s, 1/Pa |
+//! | rho = exp(chi p) | density of the fluid over that at ambient pressure | 1 |
 //!
 //! # The way of a number
 //!

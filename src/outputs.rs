@@ -1,4 +1,8 @@
 //! What a solved state is asked for: loads, friction, film, stresses, and profiles along the interface.
+//!
+//! `results.rs` declares the results; here they are computed.
+
+mod results;
 
 use num_dual::Dual64;
 
@@ -9,6 +13,8 @@ use crate::fem::mesh::graded;
 use crate::laws::contact::mobilised_friction;
 use crate::parameters::Parameters;
 use crate::solver::linear::FIXED;
+pub(crate) use results::{Derived, Direct};
+pub use results::{Get, Interpolation, Mirror, Outputs, RESULTS, RealTime, ResultRow};
 
 /// Number of fixed stations of the profiles.
 pub const STATIONS: usize = 101;
@@ -52,120 +58,22 @@ impl Regime {
     }
 }
 
-/// Results of one state; and, with the same fields, their derivatives with respect to one input or to time.
-///
-/// Lengths in m, pressures in Pa (gauge), loads per unit depth in N/m, forces (loads times the width) in N. Every number is
-/// finite in every state.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Outputs<T = f64> {
-    /// Load per unit depth, L = L_f + L_s [N/m].
-    pub load: T,
-    /// Part carried by fluid pressure, L_f (equation 11) [N/m].
-    pub fluid_load: T,
-    /// Part carried by solid contact, L_s (equation 12) [N/m].
-    pub solid_load: T,
-    /// Load times width [N].
-    pub normal_force: T,
-    /// Drag on the upper body, positive along -x, times width (T_1 of equation 13) [N].
-    pub upper_friction_force: T,
-    /// Traction on the lower body, positive along +x, times width (T_2 of equation 13) [N].
-    pub lower_friction_force: T,
-    /// mu = |T_1| / L (equation 13) [1].
-    pub friction_coefficient: T,
-    /// mu_f = |T_f1| / L_f [1].
-    pub fluid_friction_coefficient: T,
-    /// L_f / L [1].
-    pub fluid_load_support: T,
-    /// Least distance of the deformed surfaces [m].
-    pub minimum_film_thickness: T,
-    /// Where it is [m].
-    pub minimum_film_position: T,
-    /// Distance of the deformed surfaces at x = 0 [m].
-    pub central_film_thickness: T,
-    /// Length over which the solids touch, b (equation 8) [m].
-    pub contact_length: T,
-    /// Length over which the film is torn, to half an element [m].
-    pub cavitated_length: T,
-    /// Largest fluid pressure on the interface [Pa].
-    pub maximum_fluid_pressure: T,
-    /// Smallest fluid pressure on the interface [Pa].
-    pub minimum_fluid_pressure: T,
-    /// Largest contact pressure [Pa].
-    pub maximum_contact_pressure: T,
-    /// Largest von Mises stress of the tissue (effective Cauchy stress, plane strain) [Pa].
-    pub maximum_von_mises_stress: T,
-    /// eta U / L [1].
-    pub sommerfeld_number: T,
-    /// Fluid that leaves the bodies into the film, integral of max(V, 0), per unit depth [m^2/s].
-    pub fluid_exudation: T,
-    /// The same less what the bodies take in, integral of V, per unit depth [m^2/s].
-    pub net_fluid_exudation: T,
-    /// Penetration depth of these results [m].
-    pub penetration_depth: T,
-    /// Lubrication regime.
-    pub lubrication_regime: Regime,
-    /// Newton iterations of the last solution, summed over its sub-steps.
-    pub newton_iterations: i32,
-    /// Film thickness at the fixed stations [m]; [`STATIONS`] values.
-    pub film_thickness: Vec<T>,
-    /// Fluid pressure at the fixed stations [Pa].
-    pub fluid_pressure: Vec<T>,
-    /// Contact pressure at the fixed stations [Pa].
-    pub contact_pressure: Vec<T>,
-}
-
-impl<T: Copy> Outputs<T> {
-    /// The same fields, each number replaced by `f` of it.
-    pub(crate) fn map<S>(&self, f: impl Fn(T) -> S) -> Outputs<S> {
-        let all = |values: &[T]| values.iter().map(|v| f(*v)).collect();
-        Outputs {
-            load: f(self.load),
-            fluid_load: f(self.fluid_load),
-            solid_load: f(self.solid_load),
-            normal_force: f(self.normal_force),
-            upper_friction_force: f(self.upper_friction_force),
-            lower_friction_force: f(self.lower_friction_force),
-            friction_coefficient: f(self.friction_coefficient),
-            fluid_friction_coefficient: f(self.fluid_friction_coefficient),
-            fluid_load_support: f(self.fluid_load_support),
-            minimum_film_thickness: f(self.minimum_film_thickness),
-            minimum_film_position: f(self.minimum_film_position),
-            central_film_thickness: f(self.central_film_thickness),
-            contact_length: f(self.contact_length),
-            cavitated_length: f(self.cavitated_length),
-            maximum_fluid_pressure: f(self.maximum_fluid_pressure),
-            minimum_fluid_pressure: f(self.minimum_fluid_pressure),
-            maximum_contact_pressure: f(self.maximum_contact_pressure),
-            maximum_von_mises_stress: f(self.maximum_von_mises_stress),
-            sommerfeld_number: f(self.sommerfeld_number),
-            fluid_exudation: f(self.fluid_exudation),
-            net_fluid_exudation: f(self.net_fluid_exudation),
-            penetration_depth: f(self.penetration_depth),
-            lubrication_regime: self.lubrication_regime,
-            newton_iterations: self.newton_iterations,
-            film_thickness: all(&self.film_thickness),
-            fluid_pressure: all(&self.fluid_pressure),
-            contact_pressure: all(&self.contact_pressure),
-        }
-    }
-}
-
-impl Outputs<Dual64> {
-    /// What follows from the loads on fluid and solid, the fluid's friction on the upper and the lower body and that of solid on solid,
-    /// all per unit depth: forces, ratios and the Sommerfeld number (equations 11 to 15). The rest is zero.
-    pub(crate) fn of_forces(
+impl Derived<Dual64> {
+    /// What follows, at a sliding speed and a penetration depth, from the direct results, from whether the solids touch, and from the
+    /// fluid's friction on the upper and the lower body and that of solid on solid, per unit depth (equations 11 to 15).
+    pub(crate) fn new(
         parameters: &Parameters,
-        sliding_speed: Dual64,
-        [fluid_load, solid_load]: [Dual64; 2],
+        [sliding_speed, penetration_depth]: [Dual64; 2],
+        direct: &Direct<Dual64>,
+        touching: bool,
         fluid_friction: [Dual64; 2],
         boundary_friction: Dual64,
     ) -> Self {
+        let (fluid_load, solid_load) = (direct.fluid_load, direct.solid_load);
         let load = fluid_load + solid_load;
         let friction = fluid_friction.map(|fluid| fluid + boundary_friction);
         Self {
             load,
-            fluid_load,
-            solid_load,
             normal_force: load * parameters.width,
             upper_friction_force: friction[0] * parameters.width,
             lower_friction_force: friction[1] * parameters.width,
@@ -173,7 +81,8 @@ impl Outputs<Dual64> {
             fluid_friction_coefficient: ratio_of(magnitude(fluid_friction[0]), fluid_load),
             fluid_load_support: ratio_of(fluid_load, load),
             sommerfeld_number: ratio_of(sliding_speed * parameters.viscosity, load),
-            ..Outputs::<f64>::default().map(Dual64::from)
+            penetration_depth,
+            lubrication_regime: Regime::of(touching, penetration_depth.re, fluid_load.re, solid_load.re),
         }
     }
 }
@@ -321,7 +230,9 @@ impl Solved<'_> {
         };
 
         let profile = |values: &[Dual64]| self.profile(values);
-        Outputs {
+        let direct = Direct {
+            fluid_load,
+            solid_load,
             minimum_film_thickness: least,
             minimum_film_position: position,
             central_film_thickness: if self.at.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
@@ -336,15 +247,14 @@ impl Solved<'_> {
             maximum_von_mises_stress: self.von_mises(change),
             fluid_exudation: outflow.clone().filter(|v| v.re > 0.0).sum(),
             net_fluid_exudation: outflow.sum(),
-            penetration_depth: depth,
-            lubrication_regime: Regime::of(touching, depth.re, fluid_load.re, solid_load.re),
             newton_iterations: 0,
             // Between nodes in contact the interpolated gap may dip below zero, where the film is closed.
             film_thickness: profile(&gap).into_iter().map(|h| if h.re > 0.0 { h } else { Dual64::from(0.0) }).collect(),
             fluid_pressure: profile(&pressure),
             contact_pressure: self.linear_profile(&contact_pressure),
-            ..Outputs::of_forces(p, speed, [fluid_load, solid_load], fluid_friction, boundary)
-        }
+        };
+        let derived = Derived::new(p, [speed, depth], &direct, touching, fluid_friction, boundary);
+        Outputs::new(direct, derived)
     }
 
     /// Values of a quadratic field of the interface at the fixed stations.

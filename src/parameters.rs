@@ -87,8 +87,6 @@ pub struct Parameters {
     pub width: f64,
     /// Dynamic viscosity of the fluid [Pa s].
     pub viscosity: f64,
-    /// Density of the fluid at ambient pressure [kg/m^3].
-    pub density: f64,
     /// Compressibility of the fluid [1/Pa].
     pub fluid_compressibility: f64,
     /// Friction coefficient of drained solid on solid [1].
@@ -132,7 +130,7 @@ pub struct Parameters {
 /// Which parameters were set by name. These win over a preset, whichever is set first: importers of FMUs set values in an order
 /// of their own. How a value came about is no part of a case, so all of these compare as equal.
 #[derive(Debug, Clone, Copy, Default, serde::Serialize, serde::Deserialize)]
-pub struct Named(u64);
+pub struct Named(u128);
 
 impl PartialEq for Named {
     fn eq(&self, _: &Self) -> bool {
@@ -161,7 +159,6 @@ impl Default for Parameters {
             sector_half_angle: std::f64::consts::PI / 36.0,
             width: 1.0,
             viscosity: 1e-3,
-            density: 1e3,
             fluid_compressibility: 1e-10,
             boundary_friction_coefficient: 0.45,
             boundary_friction_loads_tissue: true,

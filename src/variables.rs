@@ -1,18 +1,24 @@
 //! The table of variables: the one source of what the FMU, the command line and the documentation call things.
 //!
-//! One row a variable, and the value reference of FMI is the index of the row. **Append only**: once released, new rows go
-//! to the very end, so that the old ones keep their references. The parameters are the rows of [`PARAMETERS`]; their names, units, ranges and descriptions are not repeated here.
+//! Inputs are declared here, results in [`RESULTS`], parameters in [`PARAMETERS`]. Each row says its value reference in FMI, which it
+//! keeps for good; a new row takes a new number and may stand anywhere. A number that is used twice does not compile.
 
+use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use crate::error::Error;
-use crate::outputs::{Outputs, Regime, STATIONS};
+use crate::outputs::{Get, Outputs, RESULTS, ResultRow, STATIONS};
 use crate::parameters::{Inputs, Kind, PARAMETERS, Parameter, Parameters, Value};
 use crate::simulation::{Input, Simulation};
 use crate::units::{DisplayUnit, Unit};
 
 /// An input: the sign conventions are in its description.
 pub struct InputRow {
+    name: &'static str,
+    reference: u32,
+    unit: Unit,
+    nominal: f64,
+    description: &'static str,
     /// Which one.
     pub input: Input,
     /// Smallest allowed value. Zero is allowed for every input: some importers write it to what is not connected.
@@ -37,10 +43,12 @@ pub enum Source {
     Position(usize),
     /// The value of a profile at station `.1`.
     Profile(fn(&Outputs) -> &[f64], usize),
-    /// [`Outputs::lubrication_regime`].
-    Regime,
-    /// [`Outputs::newton_iterations`].
-    Iterations,
+    /// A result that is a whole number.
+    Integer(fn(&Outputs) -> i32),
+    /// A result that is true or false.
+    Boolean(fn(&Outputs) -> bool),
+    /// A result that is one of a few words, by its index.
+    Choice(&'static [(&'static str, &'static str)], fn(&Outputs) -> usize),
 }
 
 /// FMI's data types. An enumeration travels as an integer that counts its items from 1.
@@ -58,6 +66,8 @@ pub enum Type {
 
 /// One row of [`VARIABLES`].
 pub struct Variable {
+    /// Value reference in FMI.
+    pub reference: u32,
     /// Structured name, such as `upper.thickness` or `film_thickness[51]`.
     pub name: String,
     /// Unit of the value.
@@ -117,8 +127,9 @@ impl Variable {
             Source::Stiffness => Value::Real(from.contact_stiffness),
             Source::Position(station) => Value::Real(from.position.get(station).copied().unwrap_or(0.0)),
             Source::Profile(get, station) => Value::Real(get(from.outputs).get(station).copied().unwrap_or(0.0)),
-            Source::Regime => Value::Text(from.outputs.lubrication_regime.name().into()),
-            Source::Iterations => Value::Integer(i64::from(from.outputs.newton_iterations)),
+            Source::Integer(get) => Value::Integer(i64::from(get(from.outputs))),
+            Source::Boolean(get) => Value::Boolean(get(from.outputs)),
+            Source::Choice(items, get) => Value::Text(items[get(from.outputs)].0.into()),
         }
     }
 
@@ -182,8 +193,9 @@ impl Variable {
                 Kind::Boolean { .. } => Type::Boolean,
                 Kind::Choice { items, .. } => Type::Enumeration(items),
             },
-            Source::Regime => Type::Enumeration(&Regime::ITEMS),
-            Source::Iterations => Type::Integer,
+            Source::Integer(_) => Type::Integer,
+            Source::Boolean(_) => Type::Boolean,
+            Source::Choice(items, _) => Type::Enumeration(items),
             _ => Type::Real,
         }
     }
@@ -248,9 +260,10 @@ impl InputRow {
 pub fn find(name: &str) -> Result<&'static Variable, Error> {
     VARIABLES.iter().find(|row| row.name == name).ok_or_else(|| Error::UnknownName {
         name: name.into(),
-        hint: match nearest(name) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "`cartilage-contact solve --help` lists the names".into(),
+        hint: match (RETIRED.iter().find(|row| row.name == name), nearest(name)) {
+            (Some(retired), _) => retired.hint.into(),
+            (_, Some(near)) => format!("did you mean `{near}`?"),
+            _ => "`cartilage-contact solve --help` lists the names".into(),
         },
     })
 }
@@ -293,128 +306,161 @@ fn edit_distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-static INPUTS: [(&str, Unit, f64, InputRow, &str); 5] = [
-    (
-        "penetration_depth",
-        Unit::Metre,
-        1e-5,
-        InputRow {
-            input: Input::PenetrationDepth,
-            minimum: -1e-2,
-            maximum: 1e-2,
-            access: |i| &mut i.penetration_depth,
-        },
-        "Approach of the two bones past first touch of the undeformed surfaces; negative is clearance, positive presses",
-    ),
-    (
-        "sliding_speed",
-        Unit::MetrePerSecond,
-        1.0,
-        InputRow { input: Input::SlidingSpeed, minimum: -10.0, maximum: 10.0, access: |i| &mut i.sliding_speed },
-        "Sum of the two surface speeds U1 + U2 (upper + lower), both positive along +x: twice the mean entrainment speed",
-    ),
+static INPUTS: [InputRow; 5] = [
+    InputRow {
+        name: "penetration_depth",
+        reference: 0,
+        unit: Unit::Metre,
+        nominal: 1e-5,
+        description: "Approach of the two bones past first touch of the undeformed surfaces; negative is clearance, positive presses",
+        input: Input::PenetrationDepth,
+        minimum: -1e-2,
+        maximum: 1e-2,
+        access: |i| &mut i.penetration_depth,
+    },
+    InputRow {
+        name: "sliding_speed",
+        reference: 1,
+        unit: Unit::MetrePerSecond,
+        nominal: 1.0,
+        description: "Sum of the two surface speeds U1 + U2 (upper + lower), both positive along +x: twice the mean entrainment speed",
+        input: Input::SlidingSpeed,
+        minimum: -10.0,
+        maximum: 10.0,
+        access: |i| &mut i.sliding_speed,
+    },
     // 0: equal speeds. +1 or -1: one surface at rest. Beyond: surfaces that move in opposite directions.
-    (
-        "slide_to_roll_ratio",
-        Unit::One,
-        1.0,
-        InputRow {
-            input: Input::SlideToRollRatio,
-            minimum: -10.0,
-            maximum: 10.0,
-            access: |i| &mut i.slide_to_roll_ratio,
-        },
-        "(U1 - U2)/(U1 + U2): 0 where both surfaces move at the same speed, 1 where only the upper one moves",
-    ),
-    (
-        "approach_speed",
-        Unit::MetrePerSecond,
-        1e-4,
-        InputRow { input: Input::ApproachSpeed, minimum: -10.0, maximum: 10.0, access: |i| &mut i.approach_speed },
-        "Rate of penetration_depth during a step, unless that input has a derivative of its own; positive closes",
-    ),
-    (
-        "applied_load",
-        Unit::NewtonPerMetre,
-        1e3,
-        InputRow { input: Input::AppliedLoad, minimum: -1e9, maximum: 1e9, access: |i| &mut i.applied_load },
-        "Load per unit depth that presses the bodies together; used where control is load",
-    ),
+    InputRow {
+        name: "slide_to_roll_ratio",
+        reference: 2,
+        unit: Unit::One,
+        nominal: 1.0,
+        description: "(U1 - U2)/(U1 + U2): 0 where both surfaces move at the same speed, 1 where only the upper one moves",
+        input: Input::SlideToRollRatio,
+        minimum: -10.0,
+        maximum: 10.0,
+        access: |i| &mut i.slide_to_roll_ratio,
+    },
+    InputRow {
+        name: "approach_speed",
+        reference: 3,
+        unit: Unit::MetrePerSecond,
+        nominal: 1e-4,
+        description: "Rate of penetration_depth during a step, unless that input has a derivative of its own; positive closes",
+        input: Input::ApproachSpeed,
+        minimum: -10.0,
+        maximum: 10.0,
+        access: |i| &mut i.approach_speed,
+    },
+    InputRow {
+        name: "applied_load",
+        reference: 4,
+        unit: Unit::NewtonPerMetre,
+        nominal: 1e3,
+        description: "Load per unit depth that presses the bodies together; used where control is load",
+        input: Input::AppliedLoad,
+        minimum: -1e9,
+        maximum: 1e9,
+        access: |i| &mut i.applied_load,
+    },
 ];
 
-type ResultRow = (&'static str, Unit, f64, Source, &'static str);
+/// A variable that is no more. Its value reference is not used again.
+struct Retired {
+    name: &'static str,
+    reference: u32,
+    /// What to do about it.
+    hint: &'static str,
+}
 
-#[rustfmt::skip]
-static RESULTS: [ResultRow; 25] = [
-    ("load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.load), "Load per unit depth, fluid and solid together"),
-    ("fluid_load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.fluid_load), "Load per unit depth that fluid pressure carries"),
-    ("solid_load", Unit::NewtonPerMetre, 1e3, Source::Result(|o| o.solid_load), "Load per unit depth that solid contact carries"),
-    ("normal_force", Unit::Newton, 1e3, Source::Result(|o| o.normal_force), "Load times width; pushes the bodies apart"),
-    ("upper_friction_force", Unit::Newton, 10.0, Source::Result(|o| o.upper_friction_force), "Drag on the upper body, positive along -x, times width"),
-    ("lower_friction_force", Unit::Newton, 10.0, Source::Result(|o| o.lower_friction_force), "Traction on the lower body, positive along +x, times width"),
-    ("friction_coefficient", Unit::One, 1e-2, Source::Result(|o| o.friction_coefficient), "Magnitude of the upper friction force over the normal force"),
-    ("fluid_friction_coefficient", Unit::One, 1e-2, Source::Result(|o| o.fluid_friction_coefficient), "Magnitude of the fluid's friction on the upper body over the fluid load"),
-    ("fluid_load_support", Unit::One, 1.0, Source::Result(|o| o.fluid_load_support), "Fluid load over load"),
-    ("minimum_film_thickness", Unit::Metre, 1e-6, Source::Result(|o| o.minimum_film_thickness), "Least distance of the deformed surfaces; 0 in contact"),
-    ("minimum_film_position", Unit::Metre, 1e-3, Source::Result(|o| o.minimum_film_position), "Where the film is thinnest, along x from the middle of the contact"),
-    ("central_film_thickness", Unit::Metre, 1e-6, Source::Result(|o| o.central_film_thickness), "Distance of the deformed surfaces in the middle of the contact"),
-    ("contact_length", Unit::Metre, 1e-3, Source::Result(|o| o.contact_length), "Length along x over which the solids touch"),
-    ("maximum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_fluid_pressure), "Largest fluid pressure on the interface, above ambient"),
-    ("minimum_fluid_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.minimum_fluid_pressure), "Smallest fluid pressure on the interface, above ambient"),
-    ("maximum_contact_pressure", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_contact_pressure), "Largest pressure of solid on solid"),
-    ("maximum_von_mises_stress", Unit::Pascal, 1e4, Source::Result(|o| o.maximum_von_mises_stress), "Largest von Mises stress of the tissue's solid part"),
-    ("sommerfeld_number", Unit::One, 1e-7, Source::Result(|o| o.sommerfeld_number), "Viscosity times sliding speed over load per unit depth: abscissa of the Stribeck curve"),
-    ("contact_stiffness", Unit::NewtonPerMetre, 1e8, Source::Stiffness, "Rate of change of the normal force with penetration depth"),
-    ("fluid_exudation", Unit::SquareMetrePerSecond, 1e-6, Source::Result(|o| o.fluid_exudation), "Fluid that leaves the tissue into the film, per unit depth"),
-    ("net_fluid_exudation", Unit::SquareMetrePerSecond, 1e-6, Source::Result(|o| o.net_fluid_exudation), "Fluid that leaves the tissue into the film less what it takes in, per unit depth"),
-    ("penetration_depth_result", Unit::Metre, 1e-5, Source::Result(|o| o.penetration_depth), "Penetration depth of these results; where control is load, the depth at which the load is carried"),
-    ("lubrication_regime", Unit::One, 1.0, Source::Regime, "Lubrication regime"),
-    ("newton_iterations", Unit::One, 1.0, Source::Iterations, "Newton iterations of the last solution, all its sub-steps together"),
-    ("cavitated_length", Unit::Metre, 1e-3, Source::Result(|o| o.cavitated_length), "Length along x over which the film is torn, to half an element; 0 unless cavitation is true"),
-];
+static RETIRED: [Retired; 1] = [Retired {
+    name: "density",
+    reference: 449,
+    hint: "it acted on nothing and was taken out: leave it away; what compresses the fluid is fluid_compressibility",
+}];
 
-fn profiles() -> impl Iterator<Item = Variable> {
-    type Profile = (&'static str, Unit, f64, fn(usize) -> Source, &'static str);
-    const PROFILES: [Profile; 4] = [
-        ("position", Unit::Metre, 1e-3, Source::Position, "Place along x from the middle of the contact"),
-        ("film_thickness", Unit::Metre, 1e-6, |i| Source::Profile(|o| &o.film_thickness, i), "Film thickness"),
-        ("fluid_pressure", Unit::Pascal, 1e4, |i| Source::Profile(|o| &o.fluid_pressure, i), "Fluid pressure"),
-        (
-            "contact_pressure",
-            Unit::Pascal,
-            1e4,
-            |i| Source::Profile(|o| &o.contact_pressure, i),
-            "Pressure of solid on solid",
-        ),
-    ];
-    PROFILES.into_iter().flat_map(|(name, unit, nominal, source, description)| {
-        (0..STATIONS).map(move |i| Variable {
-            name: format!("{name}[{}]", i + 1),
-            unit,
-            description: format!("{description}, station {} of {STATIONS}", i + 1),
-            nominal,
-            source: source(i),
-        })
+/// How many blocks of value references there are: one a row.
+const BLOCKS: usize = INPUTS.len() + RESULTS.len() + PARAMETERS.len() + RETIRED.len();
+
+/// The value references of each row: the first, and how many.
+const REFERENCES: [(u32, u32); BLOCKS] = {
+    let mut all = [(0, 1); BLOCKS];
+    let (mut place, mut i) = (0, 0);
+    while i < INPUTS.len() {
+        all[place].0 = INPUTS[i].reference;
+        (place, i) = (place + 1, i + 1);
+    }
+    i = 0;
+    while i < RESULTS.len() {
+        all[place] = (RESULTS[i].reference, RESULTS[i].length());
+        (place, i) = (place + 1, i + 1);
+    }
+    i = 0;
+    while i < PARAMETERS.len() {
+        all[place].0 = PARAMETERS[i].reference;
+        (place, i) = (place + 1, i + 1);
+    }
+    i = 0;
+    while i < RETIRED.len() {
+        all[place].0 = RETIRED[i].reference;
+        (place, i) = (place + 1, i + 1);
+    }
+    all
+};
+
+/// Whether no value reference is in two blocks.
+const fn are_distinct(blocks: &[(u32, u32)]) -> bool {
+    let mut i = 0;
+    while i < blocks.len() {
+        let mut j = 0;
+        while j < i {
+            let ((a, in_a), (b, in_b)) = (blocks[i], blocks[j]);
+            if a < b + in_b && b < a + in_a {
+                return false;
+            }
+            j += 1;
+        }
+        i += 1;
+    }
+    true
+}
+
+const _: () = assert!(are_distinct(&REFERENCES), "two rows have the same value reference; new rows take new numbers");
+
+/// The variables of a result: one, or one a station.
+fn of_result(row: &'static ResultRow) -> impl Iterator<Item = Variable> {
+    (0..row.length()).map(move |station| {
+        let index = station as usize;
+        let source = match row.get {
+            Get::Real(get) => Source::Result(get),
+            Get::Integer(get) => Source::Integer(get),
+            Get::Boolean(get) => Source::Boolean(get),
+            Get::Choice(items, get) => Source::Choice(items, get),
+            Get::Profile(get) => Source::Profile(get, index),
+            Get::Position => Source::Position(index),
+            Get::Stiffness => Source::Stiffness,
+        };
+        let (mut name, mut description) = (row.name.to_owned(), row.description.to_owned());
+        if matches!(source, Source::Position(_) | Source::Profile(..)) {
+            name += &format!("[{}]", station + 1);
+            description += &format!(", station {} of {STATIONS}", station + 1);
+        }
+        Variable { reference: row.reference + station, name, unit: row.unit, description, nominal: row.nominal, source }
     })
 }
 
-/// Every variable: inputs, scalar results, profiles, parameters. The index is FMI's value reference.
+/// Every variable: inputs, results, parameters, in the order in which they are listed.
 pub static VARIABLES: LazyLock<Vec<Variable>> = LazyLock::new(|| {
-    let inputs = INPUTS.iter().map(|(name, unit, nominal, row, description)| Variable {
-        name: (*name).into(),
-        unit: *unit,
-        description: (*description).into(),
-        nominal: *nominal,
+    let inputs = INPUTS.iter().map(|row| Variable {
+        reference: row.reference,
+        name: row.name.into(),
+        unit: row.unit,
+        description: row.description.into(),
+        nominal: row.nominal,
         source: Source::Input(row),
     });
-    let results = RESULTS.iter().map(|&(name, unit, nominal, source, description)| Variable {
-        name: name.into(),
-        unit,
-        description: description.into(),
-        nominal,
-        source,
-    });
     let parameters = PARAMETERS.into_iter().map(|row| Variable {
+        reference: row.reference,
         name: row.name.into(),
         unit: row.unit,
         description: row.description.into(),
@@ -424,12 +470,21 @@ pub static VARIABLES: LazyLock<Vec<Variable>> = LazyLock::new(|| {
         },
         source: Source::Parameter(row),
     });
-    inputs.chain(results).chain(profiles()).chain(parameters).collect()
+    inputs.chain(RESULTS.iter().flat_map(of_result)).chain(parameters).collect()
 });
+
+static BY_REFERENCE: LazyLock<HashMap<u32, &'static Variable>> =
+    LazyLock::new(|| VARIABLES.iter().map(|variable| (variable.reference, variable)).collect());
+
+/// The variable with this value reference, if there is one.
+pub fn referred(reference: u32) -> Option<&'static Variable> {
+    BY_REFERENCE.get(&reference).copied()
+}
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outputs::RealTime;
 
     #[test]
     fn names_are_unique_and_start_values_are_allowed() {
@@ -447,9 +502,80 @@ mod tests {
     }
 
     #[test]
+    fn a_value_reference_stands_for_one_variable() {
+        assert!(are_distinct(&[(0, 1), (132, 1), (1, 101), (131, 1), (102, 29)]));
+        for overlapping in [[(7, 1), (7, 1)], [(1, 101), (101, 1)], [(101, 1), (1, 101)]] {
+            assert!(!are_distinct(&overlapping), "{overlapping:?}");
+        }
+        for variable in VARIABLES.iter() {
+            assert_eq!(referred(variable.reference).unwrap().name, variable.name);
+        }
+        assert_eq!(BY_REFERENCE.len(), VARIABLES.len());
+        assert!(RETIRED.iter().all(|row| referred(row.reference).is_none() && find(row.name).is_err()));
+    }
+
+    /// Importers keep these numbers in models that were set up with an earlier version.
+    #[test]
+    fn value_references_stay() {
+        for (name, reference) in [
+            ("penetration_depth", 0),
+            ("applied_load", 4),
+            ("load", 5),
+            ("contact_stiffness", 23),
+            ("penetration_depth_result", 26),
+            ("cavitated_length", 29),
+            ("position[1]", 30),
+            ("film_thickness[1]", 131),
+            ("fluid_pressure[101]", 332),
+            ("contact_pressure[51]", 383),
+            ("upper.outer_radius", 434),
+            ("lower.biot_coefficient", 445),
+            ("sector_half_angle", 446),
+            ("fluid_compressibility", 450),
+            ("lower.permeability_strain_coefficient", 471),
+            ("cavitation_pressure", 476),
+        ] {
+            assert_eq!(find(name).unwrap().reference, reference, "{name}");
+        }
+    }
+
+    #[test]
+    fn results_may_be_of_any_type() {
+        static ROWS: [ResultRow; 2] = {
+            let (unit, nominal, description, real_time) = (Unit::One, 1.0, "", RealTime::Absent);
+            [
+                ResultRow {
+                    name: "count",
+                    reference: 901,
+                    unit,
+                    nominal,
+                    description,
+                    real_time,
+                    get: Get::Integer(|o| o.newton_iterations),
+                },
+                ResultRow {
+                    name: "flag",
+                    reference: 902,
+                    unit,
+                    nominal,
+                    description,
+                    real_time,
+                    get: Get::Boolean(|o| o.load > 1.0),
+                },
+            ]
+        };
+        let outputs = &Outputs { load: 2.0, newton_iterations: 3, ..Outputs::default() };
+        let (parameters, inputs) = (&Parameters::default(), &Inputs::default());
+        let view = View { parameters, inputs, outputs, contact_stiffness: 0.0, position: &[] };
+        let found: Vec<_> = ROWS.iter().flat_map(of_result).map(|row| (row.data_type(), row.get(&view))).collect();
+        assert_eq!(found, [(Type::Integer, Value::Integer(3)), (Type::Boolean, Value::Boolean(true))]);
+        assert!(ROWS.iter().flat_map(of_result).all(|row| row.is_output() && row.derivative(outputs).is_none()));
+    }
+
+    #[test]
     fn every_input_may_be_zero() {
-        for (name, ..) in &INPUTS {
-            set(&mut Parameters::default(), &mut Inputs::default(), name, &Value::Real(0.0)).unwrap();
+        for row in &INPUTS {
+            set(&mut Parameters::default(), &mut Inputs::default(), row.name, &Value::Real(0.0)).unwrap();
         }
     }
 

@@ -92,7 +92,7 @@ fn depth(step: i32) -> f64 {
 
 #[test]
 fn the_reference_result_is_what_the_fmu_returns() {
-    let reference = |name: &str| VARIABLES.iter().position(|variable| variable.name == name).unwrap() as u32;
+    let reference = |name: &str| VARIABLES.iter().find(|variable| variable.name == name).unwrap().reference;
     let outputs: Vec<_> = scalar_outputs().collect();
     let mut instance = Instance::new(Standard::Fmi2, Log::new(false));
     instance.enter_initialization_mode().unwrap();

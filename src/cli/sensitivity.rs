@@ -46,7 +46,7 @@ pub struct Arguments {
 }
 
 /// What is varied: the name in a case, and what people call it.
-const VARIED: [(&str, &str); 12] = [
+const VARIED: [(&str, &str); 11] = [
     ("both.outer_radius", "radius"),
     ("both.thickness", "thickness"),
     ("both.shear_modulus", "shear modulus"),
@@ -56,7 +56,6 @@ const VARIED: [(&str, &str); 12] = [
     ("sliding_speed", "sliding speed"),
     ("viscosity", "viscosity"),
     ("fluid_compressibility", "compressibility"),
-    ("density", "density"),
     ("boundary_friction_coefficient", "boundary friction"),
     ("sector_half_angle", "sector angle"),
 ];

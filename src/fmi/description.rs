@@ -3,7 +3,7 @@
 pub mod fmi2;
 pub mod fmi3;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use uuid::Uuid;
@@ -115,12 +115,14 @@ fn units(xml: &mut String) {
     *xml += "  </UnitDefinitions>\n\n";
 }
 
-/// The types of enumerations, each within the elements that a version of FMI puts around its items. A type has the name of
-/// the (one) variable that has it.
+/// The types of enumerations, each within the elements that a version of FMI puts around its items.
 fn types(xml: &mut String, opening: fn(&str) -> String, closing: &str, indent: &str) {
     *xml += "  <TypeDefinitions>\n";
+    let mut written = BTreeSet::new();
     for variable in VARIABLES.iter() {
-        if let Type::Enumeration(items) = variable.data_type() {
+        if let Type::Enumeration(items) = variable.data_type()
+            && written.insert(type_name(variable))
+        {
             *xml += &opening(&type_name(variable));
             for ((word, description), value) in items.iter().zip(1..) {
                 let description = escape(description);
@@ -133,9 +135,11 @@ fn types(xml: &mut String, opening: fn(&str) -> String, closing: &str, indent: &
     *xml += "  </TypeDefinitions>\n\n";
 }
 
-/// Type and variable names share no namespace, but some importers make identifiers of both.
+/// After the variable; both bodies share a type. Type and variable names share no namespace, but some importers make identifiers of
+/// both.
 fn type_name(variable: &Variable) -> String {
-    format!("{}_type", variable.name)
+    let of_body = ["upper.", "lower."].into_iter().find_map(|body| variable.name.strip_prefix(body));
+    format!("{}_type", of_body.unwrap_or(&variable.name))
 }
 
 /// What FMI calls the role of a variable.
@@ -198,4 +202,19 @@ fn number(value: f64) -> String {
 pub fn escape(text: &str) -> String {
     let pairs: BTreeMap<char, &str> = [('&', "&amp;"), ('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;")].into();
     text.chars().map(|c| pairs.get(&c).map_or_else(|| c.to_string(), |entity| (*entity).into())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variables_that_share_a_type_have_the_same_words() {
+        let mut types: BTreeMap<String, &[(&str, &str)]> = BTreeMap::new();
+        for variable in VARIABLES.iter() {
+            if let Type::Enumeration(items) = variable.data_type() {
+                assert_eq!(*types.entry(type_name(variable)).or_insert(items), items, "{}", variable.name);
+            }
+        }
+    }
 }

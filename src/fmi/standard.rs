@@ -2,7 +2,7 @@
 
 use crate::fmi::instance::{Answer, refuse};
 use crate::outputs::STATIONS;
-use crate::variables::{Source, Type, VARIABLES, Variable};
+use crate::variables::{Source, Type, VARIABLES, Variable, referred};
 
 /// A version of FMI that the library speaks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub enum Standard {
     Fmi3,
 }
 
-/// FMI 3's value reference of time, which FMI 2 does not list: far above the rows of the table, which may be appended to.
+/// FMI 3's value reference of time, which FMI 2 does not list: far above those of the table.
 pub const TIME_REFERENCE: u32 = 1_000_000;
 
 /// One number of what a value reference stands for.
@@ -60,32 +60,32 @@ impl Standard {
                 elements.push(Element::Time);
                 continue;
             }
-            let first = usize::try_from(reference).unwrap_or(usize::MAX);
-            let Some(variable) = VARIABLES.get(first) else {
-                let last = VARIABLES.len() - 1;
-                return refuse(format!("value reference {reference} is unknown; there are 0 to {last}"));
+            let Some(variable) = referred(reference) else {
+                return refuse(format!(
+                    "value reference {reference} is unknown; modelDescription.xml lists those there are"
+                ));
             };
             let length = match (self, station(variable)) {
                 (Self::Fmi2, _) | (_, None) => 1,
-                (_, Some(0)) => STATIONS,
+                (_, Some(0)) => STATIONS as u32,
                 (_, Some(station)) => {
-                    let whole = reference as usize - station;
+                    let whole = reference - station as u32;
                     return refuse(format!(
                         "value reference {reference} is unknown; the profile that {} is of has {whole}",
                         variable.name
                     ));
                 }
             };
-            elements.extend(VARIABLES.iter().skip(first).take(length).map(Element::Row));
+            elements.extend((reference..reference + length).filter_map(referred).map(Element::Row));
         }
         Ok(elements)
     }
 
     /// The rows of the table that have a value reference, with how many values each stands for.
     pub fn variables(self) -> impl Iterator<Item = (u32, &'static Variable, usize)> {
-        (0..).zip(VARIABLES.iter()).filter_map(move |(reference, variable)| match (self, station(variable)) {
-            (Self::Fmi2, _) | (_, None) => Some((reference, variable, 1)),
-            (_, Some(0)) => Some((reference, variable, STATIONS)),
+        VARIABLES.iter().filter_map(move |variable| match (self, station(variable)) {
+            (Self::Fmi2, _) | (_, None) => Some((variable.reference, variable, 1)),
+            (_, Some(0)) => Some((variable.reference, variable, STATIONS)),
             _ => None,
         })
     }

@@ -250,6 +250,11 @@ mod tests {
                 "[both]\nshear_modulos = 5e5",
                 "case.toml:2: unknown variable `both.shear_modulos`; did you mean `both.shear_modulus`?",
             ),
+            (
+                "width = 1\ndensity = 1000.0",
+                "case.toml:2: unknown variable `density`; it acted on nothing and was taken out: leave it away; what \
+                 compresses the fluid is fluid_compressibility",
+            ),
             ("viscosity = -1.0", "case.toml:1: viscosity = -1 is not allowed: a number from 1e-6 to 1e3 Pa.s"),
             ("viscosity = nan", "case.toml:1: viscosity = NaN is not allowed: a number from 1e-6 to 1e3 Pa.s"),
             (
@@ -289,7 +294,7 @@ mod tests {
 
     #[test]
     fn the_first_mistake_of_the_file_is_reported() {
-        assert!(message("width = 1\nviscosity = -1\ndensity = -1").starts_with("case.toml:2:"));
+        assert!(message("width = 1\nviscosity = -1\nfluid_compressibility = -1").starts_with("case.toml:2:"));
     }
 
     #[test]

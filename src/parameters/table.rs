@@ -44,6 +44,8 @@ pub enum Kind {
 
 /// One row of [`PARAMETERS`].
 pub struct Parameter {
+    /// Value reference in FMI.
+    pub reference: u32,
     /// Name in case files, flags and the FMU, such as `upper.shear_modulus`.
     pub name: &'static str,
     /// Its unit.
@@ -97,7 +99,7 @@ impl Parameter {
         self.assign(&mut changed, value)?;
         let mut named = parameters.named;
         for (place, row) in PARAMETERS.into_iter().enumerate() {
-            let bit = 1 << place;
+            let bit = 1_u128 << place;
             if self.name == PRESET && named.0 & bit != 0 {
                 row.assign(&mut changed, &row.get(parameters))?;
             }
@@ -154,281 +156,236 @@ pub fn find(name: &str) -> Option<&'static Parameter> {
     PARAMETERS.into_iter().find(|row| row.name == name)
 }
 
-macro_rules! body_rows {
-    ($($field:ident, $unit:expr, $minimum:expr, $maximum:expr, $nominal:expr, $description:literal;)*) => {
+/// A [`Kind`] for what is kept at a place of [`Parameters`], as its row says it.
+macro_rules! kind {
+    (real($unit:expr, $minimum:expr, $maximum:expr, $nominal:expr), $($place:ident).+) => {
+        Kind::Real { minimum: $minimum, maximum: $maximum, nominal: $nominal, access: |p| &mut p.$($place).+ }
+    };
+    (integer($minimum:expr, $maximum:expr), $($place:ident).+) => {
+        Kind::Integer { minimum: $minimum, maximum: $maximum, access: |p| &mut p.$($place).+ }
+    };
+    (boolean, $($place:ident).+) => {
+        Kind::Boolean { access: |p| &mut p.$($place).+ }
+    };
+    // The words stand for the variants of an enumeration, in this order.
+    (choice($($variant:path => $word:literal: $meaning:literal),+ $(,)?), $($place:ident).+) => {
+        Kind::Choice {
+            items: &[$(($word, $meaning)),+],
+            get: |p| [$($variant),+].iter().position(|variant| *variant == p.$($place).+).unwrap_or_default(),
+            set: |p, index| {
+                if let Some(variant) = [$($variant),+].get(index) {
+                    p.$($place).+ = *variant;
+                }
+            },
+        }
+    };
+}
+
+macro_rules! unit {
+    (real($unit:expr, $($range:expr),+)) => {
+        $unit
+    };
+    ($($other:tt)+) => {
+        Unit::One
+    };
+}
+
+/// Rows `reference name at place: type, "description"`, where a name that is a field is its own place.
+macro_rules! rows {
+    ($($reference:literal $name:tt $(at $($place:ident).+)?: $kind:ident $(($($range:tt)*))?, $description:literal;)*) => {
         [$(
             Parameter {
+                reference: $reference,
+                name: rows!(@name $name),
+                unit: unit!($kind $(($($range)*))?),
+                description: $description,
+                kind: rows!(@kind $name [$($($place).+)?] $kind $(($($range)*))?),
+            },
+        )*]
+    };
+    (@name $name:ident) => { stringify!($name) };
+    (@name $name:literal) => { $name };
+    (@kind $name:ident [] $($kind:tt)+) => { kind!($($kind)+, $name) };
+    (@kind $name:tt [$($place:tt)+] $($kind:tt)+) => { kind!($($kind)+, $($place)+) };
+}
+
+/// Two rows each, one a body: `[reference of upper, of lower] field: type, "description"`.
+macro_rules! body_rows {
+    ($([$upper:literal, $lower:literal] $field:ident: $kind:ident $(($($range:tt)*))?, $description:literal;)*) => {
+        [$(
+            Parameter {
+                reference: $upper,
                 name: concat!("upper.", stringify!($field)),
-                unit: $unit,
+                unit: unit!($kind $(($($range)*))?),
                 description: concat!($description, " of the upper body"),
-                kind: Kind::Real {
-                    minimum: $minimum, maximum: $maximum, nominal: $nominal, access: |p| &mut p.upper.$field,
-                },
+                kind: kind!($kind $(($($range)*))?, upper.$field),
             },
             Parameter {
+                reference: $lower,
                 name: concat!("lower.", stringify!($field)),
-                unit: $unit,
+                unit: unit!($kind $(($($range)*))?),
                 description: concat!($description, " of the lower body"),
-                kind: Kind::Real {
-                    minimum: $minimum, maximum: $maximum, nominal: $nominal, access: |p| &mut p.lower.$field,
-                },
+                kind: kind!($kind $(($($range)*))?, lower.$field),
             },
         )*]
     };
 }
 
 static BODY_ROWS: [Parameter; 12] = body_rows! {
-    outer_radius, Unit::Metre, 1e-3, 1e3, 0.1, "Radius of the undeformed articular surface";
-    thickness, Unit::Metre, 1e-5, 1e-1, 1e-3, "Thickness of the cartilage layer";
-    shear_modulus, Unit::Pascal, 1e2, 1e10, 1e6, "Drained shear modulus";
-    bulk_modulus, Unit::Pascal, 1e2, 1e10, 1e6, "Drained bulk modulus";
-    permeability, Unit::SquareMetre, 1e-24, 1e-9, 1e-15, "Intrinsic permeability (hydraulic permeability times viscosity)";
-    biot_coefficient, Unit::One, 0.0, 1.0, 1.0, "Biot-Willis coefficient";
+    [434, 435] outer_radius: real(Unit::Metre, 1e-3, 1e3, 0.1), "Radius of the undeformed articular surface";
+    [436, 437] thickness: real(Unit::Metre, 1e-5, 1e-1, 1e-3), "Thickness of the cartilage layer";
+    [438, 439] shear_modulus: real(Unit::Pascal, 1e2, 1e10, 1e6), "Drained shear modulus";
+    [440, 441] bulk_modulus: real(Unit::Pascal, 1e2, 1e10, 1e6), "Drained bulk modulus";
+    [442, 443] permeability: real(Unit::SquareMetre, 1e-24, 1e-9, 1e-15),
+        "Intrinsic permeability (hydraulic permeability times viscosity)";
+    [444, 445] biot_coefficient: real(Unit::One, 0.0, 1.0, 1.0), "Biot-Willis coefficient";
+};
+
+static COMMON_ROWS: [Parameter; 19] = rows! {
+    446 sector_half_angle: real(Unit::Radian, 1e-3, 0.7, 0.1),
+        "Half the angle of the modelled sector of the body with the smaller radius";
+    447 width: real(Unit::Metre, 1e-6, 1e3, 1.0),
+        "Extent of the contact out of the plane: forces are loads per unit depth times this";
+    448 viscosity: real(Unit::PascalSecond, 1e-6, 1e3, 1e-3), "Dynamic viscosity of the fluid";
+    450 fluid_compressibility: real(Unit::PerPascal, 0.0, 1e-7, 1e-10), "Compressibility of the fluid";
+    451 boundary_friction_coefficient: real(Unit::One, 0.0, 2.0, 0.5), "Friction coefficient of drained solid on solid";
+    452 boundary_friction_loads_tissue: boolean,
+        "Whether boundary friction acts on the tissue as a traction or is only reported";
+    453 friction_regularisation_speed: real(Unit::MetrePerSecond, 1e-9, 1.0, 1e-3),
+        "Sliding velocity at which regularised Coulomb friction reaches 71 % of its full value (consistent formulation)";
+    454 shear_film_offset: real(Unit::Metre, 1e-9, 1e-4, 1e-7),
+        "Length added to the film thickness in the Couette shear stress, so that it stays finite in contact";
+    455 formulation: choice(
+        Formulation::Paper => "paper": "The equations of de Boer et al. (2020) as printed",
+        Formulation::Consistent => "consistent": "Total-stress poroelasticity at finite strain, regularised Coulomb friction",
+    ), "Which balance laws are solved";
+    456 "mesh.columns" at mesh.columns: integer(8, 2000), "Elements along the articular surface";
+    457 "mesh.rows" at mesh.rows: integer(1, 200), "Elements through the thickness of a layer";
+    458 "mesh.column_grading" at mesh.column_grading: real(Unit::One, 0.0, 8.0, 1.0),
+        "Strength of the sinh grading of the columns towards the middle of the contact; 0 is uniform";
+    459 "mesh.row_grading" at mesh.row_grading: real(Unit::One, 0.0, 8.0, 1.0),
+        "Strength of the sinh grading of the rows towards the articular surface; 0 is uniform";
+    460 "mesh.pressure_order" at pressure_order: integer(1, 2),
+        "Polynomial order of the pore pressure; use 1 at tissue permeability (1e-17 m2 and below)";
+    461 tolerance: real(Unit::One, 1e-12, 1e-2, 1e-6),
+        "Newton's method stops when its update, relative to the fields, is below this";
+    462 time_integration: choice(
+        TimeIntegration::QuasiSteady => "quasi_steady": "Every state is the steady one of its inputs",
+        TimeIntegration::Transient =>
+            "transient": "Film is squeezed out and tissue drains in time, starting from the steady state of the first inputs",
+    ), "What time does to the layers";
+    463 control: choice(
+        Control::Depth => "depth": "penetration_depth and approach_speed are given, and the load follows",
+        Control::Load => "load": "applied_load is given, and the depth follows: penetration_depth_result",
+    ), "Which of depth and load is given";
+    464 relative_tolerance: real(Unit::One, 1e-6, 1e-1, 1e-3),
+        "Allowed error of one internal step in time, relative to the fields (transient only)";
+    465 maximum_internal_step: real(Unit::Second, 1e-9, 1e6, 1.0), "Longest internal step in time (transient only)";
 };
 
 static STRAIN_DEPENDENCE_ROWS: [Parameter; 6] = body_rows! {
-    solid_volume_fraction, Unit::One, 0.0, 0.9, 0.1, "Volume fraction of the solid in the undeformed tissue (permeability_law holmes_mow)";
-    permeability_exponent, Unit::One, 0.0, 10.0, 1.0, "Exponent L of the pore volume in the permeability (permeability_law holmes_mow)";
-    permeability_strain_coefficient, Unit::One, 0.0, 10.0, 1.0, "Coefficient M of the exponential in the permeability (permeability_law holmes_mow)";
+    [466, 467] solid_volume_fraction: real(Unit::One, 0.0, 0.9, 0.1),
+        "Volume fraction of the solid in the undeformed tissue (permeability_law holmes_mow)";
+    [468, 469] permeability_exponent: real(Unit::One, 0.0, 10.0, 1.0),
+        "Exponent L of the pore volume in the permeability (permeability_law holmes_mow)";
+    [470, 471] permeability_strain_coefficient: real(Unit::One, 0.0, 10.0, 1.0),
+        "Coefficient M of the exponential in the permeability (permeability_law holmes_mow)";
 };
 
-/// A row whose words stand for the variants of an enumeration, in this order.
-macro_rules! choice {
-    ($name:literal, $description:literal, $field:ident, [$($variant:path => ($word:literal, $meaning:literal)),* $(,)?]) => {
-        Parameter {
-            name: $name,
-            unit: Unit::One,
-            description: $description,
-            kind: Kind::Choice {
-                items: &[$(($word, $meaning)),*],
-                get: |p| [$($variant),*].iter().position(|variant| *variant == p.$field).unwrap_or_default(),
-                set: |p, index| {
-                    if let Some(variant) = [$($variant),*].get(index) {
-                        p.$field = *variant;
-                    }
-                },
-            },
-        }
-    };
-}
-
-const fn real(
-    name: &'static str,
-    unit: Unit,
-    [minimum, maximum, nominal]: [f64; 3],
-    access: fn(&mut Parameters) -> &mut f64,
-    description: &'static str,
-) -> Parameter {
-    Parameter { name, unit, description, kind: Kind::Real { minimum, maximum, nominal, access } }
-}
-
-const fn integer(
-    name: &'static str,
-    [minimum, maximum]: [i32; 2],
-    access: fn(&mut Parameters) -> &mut i32,
-    description: &'static str,
-) -> Parameter {
-    Parameter { name, unit: Unit::One, description, kind: Kind::Integer { minimum, maximum, access } }
-}
-
-static COMMON_ROWS: [Parameter; 20] = [
-    real(
-        "sector_half_angle",
-        Unit::Radian,
-        [1e-3, 0.7, 0.1],
-        |p| &mut p.sector_half_angle,
-        "Half the angle of the modelled sector of the body with the smaller radius",
-    ),
-    real(
-        "width",
-        Unit::Metre,
-        [1e-6, 1e3, 1.0],
-        |p| &mut p.width,
-        "Extent of the contact out of the plane: forces are loads per unit depth times this",
-    ),
-    real("viscosity", Unit::PascalSecond, [1e-6, 1e3, 1e-3], |p| &mut p.viscosity, "Dynamic viscosity of the fluid"),
-    real(
-        "density",
-        Unit::KilogramPerCubicMetre,
-        [1.0, 1e5, 1e3],
-        |p| &mut p.density,
-        "Density of the fluid at ambient pressure",
-    ),
-    real(
-        "fluid_compressibility",
-        Unit::PerPascal,
-        [0.0, 1e-7, 1e-10],
-        |p| &mut p.fluid_compressibility,
-        "Compressibility of the fluid",
-    ),
-    real(
-        "boundary_friction_coefficient",
-        Unit::One,
-        [0.0, 2.0, 0.5],
-        |p| &mut p.boundary_friction_coefficient,
-        "Friction coefficient of drained solid on solid",
-    ),
-    Parameter {
-        name: "boundary_friction_loads_tissue",
-        unit: Unit::One,
-        description: "Whether boundary friction acts on the tissue as a traction or is only reported",
-        kind: Kind::Boolean { access: |p| &mut p.boundary_friction_loads_tissue },
-    },
-    real(
-        "friction_regularisation_speed",
-        Unit::MetrePerSecond,
-        [1e-9, 1.0, 1e-3],
-        |p| &mut p.friction_regularisation_speed,
-        "Sliding velocity at which regularised Coulomb friction reaches 71 % of its full value (consistent formulation)",
-    ),
-    real(
-        "shear_film_offset",
-        Unit::Metre,
-        [1e-9, 1e-4, 1e-7],
-        |p| &mut p.shear_film_offset,
-        "Length added to the film thickness in the Couette shear stress, so that it stays finite in contact",
-    ),
-    choice!(
-        "formulation",
-        "Which balance laws are solved",
-        formulation,
-        [
-            Formulation::Paper => ("paper", "The equations of de Boer et al. (2020) as printed"),
-            Formulation::Consistent => ("consistent", "Total-stress poroelasticity at finite strain, regularised Coulomb friction"),
-        ]
-    ),
-    integer("mesh.columns", [8, 2000], |p| &mut p.mesh.columns, "Elements along the articular surface"),
-    integer("mesh.rows", [1, 200], |p| &mut p.mesh.rows, "Elements through the thickness of a layer"),
-    real(
-        "mesh.column_grading",
-        Unit::One,
-        [0.0, 8.0, 1.0],
-        |p| &mut p.mesh.column_grading,
-        "Strength of the sinh grading of the columns towards the middle of the contact; 0 is uniform",
-    ),
-    real(
-        "mesh.row_grading",
-        Unit::One,
-        [0.0, 8.0, 1.0],
-        |p| &mut p.mesh.row_grading,
-        "Strength of the sinh grading of the rows towards the articular surface; 0 is uniform",
-    ),
-    integer(
-        "mesh.pressure_order",
-        [1, 2],
-        |p| &mut p.pressure_order,
-        "Polynomial order of the pore pressure; use 1 at tissue permeability (1e-17 m2 and below)",
-    ),
-    real(
-        "tolerance",
-        Unit::One,
-        [1e-12, 1e-2, 1e-6],
-        |p| &mut p.tolerance,
-        "Newton's method stops when its update, relative to the fields, is below this",
-    ),
-    choice!(
-        "time_integration",
-        "What time does to the layers",
-        time_integration,
-        [
-            TimeIntegration::QuasiSteady => ("quasi_steady", "Every state is the steady one of its inputs"),
-            TimeIntegration::Transient => ("transient", "Film is squeezed out and tissue drains in time, starting from the steady state of the first inputs"),
-        ]
-    ),
-    choice!(
-        "control",
-        "Which of depth and load is given",
-        control,
-        [
-            Control::Depth => ("depth", "penetration_depth and approach_speed are given, and the load follows"),
-            Control::Load => ("load", "applied_load is given, and the depth follows: penetration_depth_result"),
-        ]
-    ),
-    real(
-        "relative_tolerance",
-        Unit::One,
-        [1e-6, 1e-1, 1e-3],
-        |p| &mut p.relative_tolerance,
-        "Allowed error of one internal step in time, relative to the fields (transient only)",
-    ),
-    real(
-        "maximum_internal_step",
-        Unit::Second,
-        [1e-9, 1e6, 1.0],
-        |p| &mut p.maximum_internal_step,
-        "Longest internal step in time (transient only)",
-    ),
-];
+static CHOICE_ROWS: [Parameter; 2] = rows! {
+    472 fidelity: choice(
+        Fidelity::Full => "full": "The equations are solved",
+        Fidelity::Reduced =>
+            "reduced": "Real time: a table of solved states in the FMU's resources, for one set of parameters",
+    ), "Which model answers in the FMU";
+    473 permeability_law: choice(
+        PermeabilityLaw::Constant => "constant": "Permeability does not depend on strain",
+        PermeabilityLaw::HolmesMow =>
+            "holmes_mow": "It falls with compression: k = k0 ((J - s)/(1 - s))^L exp(M (J^2 - 1)/2), J volume ratio",
+    ), "How permeability answers to strain";
+};
 
 /// The name of the one parameter that sets others.
 const PRESET: &str = "preset";
 
-static CHOICE_ROWS: [Parameter; 3] = [
-    choice!(
-        "fidelity",
-        "Which model answers in the FMU",
-        fidelity,
-        [
-            Fidelity::Full => ("full", "The equations are solved"),
-            Fidelity::Reduced => ("reduced", "Real time: a table of solved states in the FMU's resources, for one set of parameters"),
-        ]
-    ),
-    choice!(
-        "permeability_law",
-        "How permeability answers to strain",
-        permeability_law,
-        [
-            PermeabilityLaw::Constant => ("constant", "Permeability does not depend on strain"),
-            PermeabilityLaw::HolmesMow => ("holmes_mow", "It falls with compression: k = k0 ((J - s)/(1 - s))^L exp(M (J^2 - 1)/2), J volume ratio"),
-        ]
-    ),
-    Parameter {
-        name: PRESET,
-        unit: Unit::One,
-        description: "Values that all other parameters start from; those that are set by name win, whichever is set first",
-        kind: Kind::Choice {
-            items: &presets::ITEMS,
-            get: |p| p.preset as usize,
-            set: |p, index| {
-                if let Some(row) = PRESETS.get(index) {
-                    *p = row.preset.parameters();
-                }
-            },
+static PRESET_ROW: [Parameter; 1] = [Parameter {
+    reference: 474,
+    name: PRESET,
+    unit: Unit::One,
+    description: "Values that all other parameters start from; those that are set by name win, whichever is set first",
+    kind: Kind::Choice {
+        items: &presets::ITEMS,
+        get: |p| p.preset as usize,
+        set: |p, index| {
+            if let Some(row) = PRESETS.get(index) {
+                *p = row.preset.parameters();
+            }
         },
     },
-];
+}];
 
-static CAVITATION_ROWS: [Parameter; 2] = [
-    Parameter {
-        name: "cavitation",
-        unit: Unit::One,
-        description: "Whether the film tears where its pressure would fall below cavitation_pressure; mass is conserved",
-        kind: Kind::Boolean { access: |p| &mut p.cavitation },
-    },
-    real(
-        "cavitation_pressure",
-        Unit::Pascal,
-        [-1e9, 0.0, 1e5],
-        |p| &mut p.cavitation_pressure,
-        "Least pressure of the film, above ambient (where cavitation is true)",
-    ),
-];
+static CAVITATION_ROWS: [Parameter; 2] = rows! {
+    475 cavitation: boolean,
+        "Whether the film tears where its pressure would fall below cavitation_pressure; mass is conserved";
+    476 cavitation_pressure: real(Unit::Pascal, -1e9, 0.0, 1e5),
+        "Least pressure of the film, above ambient (where cavitation is true)";
+};
 
-/// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 43] = {
-    let parts: [&[Parameter]; 5] = [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &CAVITATION_ROWS];
-    let mut rows = [&BODY_ROWS[0]; 43];
+const PARTS: [&[Parameter]; 6] =
+    [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &PRESET_ROW, &CAVITATION_ROWS];
+
+const COUNT: usize = {
+    let (mut count, mut part) = (0, 0);
+    while part < PARTS.len() {
+        count += PARTS[part].len();
+        part += 1;
+    }
+    count
+};
+
+/// Every parameter, in the order in which they are listed.
+pub static PARAMETERS: [&Parameter; COUNT] = {
+    let mut rows = [&PARTS[0][0]; COUNT];
     let (mut part, mut first, mut place) = (0, 0, 0);
     while place < rows.len() {
-        if place - first == parts[part].len() {
+        if place - first == PARTS[part].len() {
             first = place;
             part += 1;
         }
-        rows[place] = &parts[part][place - first];
+        rows[place] = &PARTS[part][place - first];
         place += 1;
     }
     rows
 };
 
-/// [`Named`] has a bit for each.
-const _: () = assert!(PARAMETERS.len() <= u64::BITS as usize);
+/// [`Named`](super::Named) has a bit for each.
+const _: () = assert!(COUNT <= u128::BITS as usize);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_row_makes_a_choice_for_each_body() {
+        // Any constants make a choice, numbers too.
+        const SOFT: f64 = 1e5;
+        const STIFF: f64 = 1e6;
+        static ROWS: [Parameter; 2] = body_rows! {
+            [900, 901] shear_modulus: choice(SOFT => "soft": "It gives way", STIFF => "stiff": "It does not"), "Stiffness";
+        };
+        let names = ROWS.each_ref().map(|row| (row.reference, row.name, row.description));
+        let lower = (901, "lower.shear_modulus", "Stiffness of the lower body");
+        assert_eq!(names, [(900, "upper.shear_modulus", "Stiffness of the upper body"), lower]);
+        let mut parameters = Parameters::default();
+        for (row, word) in ROWS.iter().zip(["soft", "stiff"]) {
+            row.set(&mut parameters, &Value::Text(word.into())).unwrap();
+            assert_eq!(row.get(&parameters), Value::Text(word.into()));
+        }
+        assert_eq!((parameters.upper.shear_modulus, parameters.lower.shear_modulus), (SOFT, STIFF));
+        let error = ROWS[1].set(&mut parameters, &Value::Text("firm".into())).unwrap_err().to_string();
+        assert!(
+            error.starts_with("lower.shear_modulus = \"firm\" is not allowed: one of \"soft\", \"stiff\""),
+            "{error}"
+        );
+    }
+}

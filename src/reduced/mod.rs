@@ -2,12 +2,16 @@
 //! polynomials between them, with a measured error.
 //!
 //! A step takes microseconds instead of a tenth of a second. The table is refined until states of the full model between its
-//! own are met; how the interpolation goes along with first touch and the powers of speed is in `table.rs`.
+//! own are met. `quantities.rs` says what is interpolated; how that goes along with first touch and the powers of speed is in
+//! `patch.rs`.
 //!
 //! Reversing the speed mirrors the contact, so only rest and positive speeds are solved.
 
-mod build;
-mod table;
+mod chart;
+mod curves;
+mod making;
+mod patch;
+mod quantities;
 
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
@@ -16,10 +20,12 @@ use uuid::Uuid;
 use crate::equations::system::{half_width, surface_speeds};
 use crate::error::Error;
 use crate::laws::contact::mobilised_friction;
-use crate::outputs::{Outputs, Regime, STATIONS, profile_stations};
-use crate::parameters::{Inputs, Parameters};
-pub use build::{Progress, Tolerance};
-use table::{Chart, Grid, Patch, SCALARS, Side, State, mirrored, place, positive};
+use crate::outputs::{Derived, Direct, Outputs, RESULTS, STATIONS, profile_stations};
+use crate::parameters::{Inputs, PARAMETERS, Parameters};
+use chart::{Chart, Side};
+pub use making::{Progress, Tolerance};
+use patch::{Grid, Patch, positive};
+use quantities::{LOWER_FRICTION, SCALARS, State, UPPER_FRICTION, mirrored};
 
 /// The inputs that a table covers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -148,8 +154,11 @@ pub struct ReducedModel {
 const MAGIC: &[u8] = b"CartilageLineContact reduced model 1 ";
 const CHECK_SUM_LENGTH: usize = 16;
 
+/// Of the bytes, and of what this version takes them for: names of parameters and results are not among them.
 fn check_sum(payload: &[u8]) -> Uuid {
-    let writer = Uuid::new_v5(&Uuid::NAMESPACE_OID, env!("CARGO_PKG_VERSION").as_bytes());
+    let names = PARAMETERS.iter().map(|row| row.name).chain(RESULTS.iter().map(|row| row.name));
+    let names: String = names.flat_map(|name| [" ", name]).collect();
+    let writer = Uuid::new_v5(&Uuid::NAMESPACE_OID, (env!("CARGO_PKG_VERSION").to_owned() + &names).as_bytes());
     Uuid::new_v5(&writer, payload)
 }
 
@@ -253,36 +262,24 @@ impl ReducedModel {
     fn along(&self, inputs: &Inputs, state: &State, side: Side, input: usize, boundary: [f64; 4]) -> Outputs<Dual64> {
         let p = &self.content.parameters;
         let dual = |q: usize| Dual64::new(state[0][q], state[1 + input][q]);
-        let profile = |k: usize| (0..STATIONS).map(|i| dual(SCALARS + k * STATIONS + i)).collect();
-        let speed = Dual64::new(inputs.sliding_speed, if input == 1 { 1.0 } else { 0.0 });
-        let (fluid_load, solid_load) = (dual(place::FLUID_LOAD), dual(place::SOLID_LOAD));
-        let solid_friction = solid_load * Dual64::new(boundary[0], boundary[1 + input]);
-        let fluid_friction = [dual(place::UPPER_FRICTION), dual(place::LOWER_FRICTION)];
-        Outputs {
-            minimum_film_thickness: dual(place::MINIMUM_FILM),
-            minimum_film_position: dual(place::MINIMUM_FILM_POSITION),
-            central_film_thickness: dual(place::CENTRAL_FILM),
-            contact_length: dual(place::CONTACT_LENGTH),
-            cavitated_length: Dual64::from(0.0),
-            maximum_fluid_pressure: dual(place::MAXIMUM_FLUID_PRESSURE),
-            minimum_fluid_pressure: dual(place::MINIMUM_FLUID_PRESSURE),
-            maximum_contact_pressure: dual(place::MAXIMUM_CONTACT_PRESSURE),
-            maximum_von_mises_stress: dual(place::VON_MISES),
-            fluid_exudation: dual(place::EXUDATION),
-            net_fluid_exudation: dual(place::NET_EXUDATION),
-            penetration_depth: Dual64::new(inputs.penetration_depth, if input == 0 { 1.0 } else { 0.0 }),
-            lubrication_regime: Regime::of(
-                side == Side::Contact,
-                inputs.penetration_depth,
-                fluid_load.re,
-                solid_load.re,
-            ),
-            newton_iterations: 0,
-            film_thickness: profile(0),
-            fluid_pressure: profile(1),
-            contact_pressure: profile(2),
-            ..Outputs::of_forces(p, speed, [fluid_load, solid_load], fluid_friction, solid_friction)
-        }
+        let along = |value: f64, index: usize| Dual64::new(value, if input == index { 1.0 } else { 0.0 });
+        let (mut number, mut profile) = (0, SCALARS);
+        let direct = Direct::interpolated(
+            || {
+                number += 1;
+                dual(number - 1)
+            },
+            || {
+                profile += STATIONS;
+                (profile - STATIONS..profile).map(dual).collect()
+            },
+        );
+        let solid_friction = direct.solid_load * Dual64::new(boundary[0], boundary[1 + input]);
+        let fluid_friction = [dual(UPPER_FRICTION), dual(LOWER_FRICTION)];
+        let speed_and_depth = [along(inputs.sliding_speed, 1), along(inputs.penetration_depth, 0)];
+        let touching = side == Side::Contact;
+        let derived = Derived::new(p, speed_and_depth, &direct, touching, fluid_friction, solid_friction);
+        Outputs::new(direct, derived)
     }
 
     /// The bytes that [`ReducedModel::from_bytes`] reads.

@@ -304,7 +304,7 @@ impl Drop for Fmu {
 }
 
 pub fn reference(name: &str) -> c_uint {
-    VARIABLES.iter().position(|variable| variable.name == name).unwrap() as c_uint
+    VARIABLES.iter().find(|variable| variable.name == name).unwrap().reference
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -226,7 +226,6 @@ fn millimetres_and_grams() {
         upper: body,
         lower: body,
         width: 1000.0,
-        density: 1e-6,
         friction_regularisation_speed: 1.0,
         shear_film_offset: 1e-4,
         ..si

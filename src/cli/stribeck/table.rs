@@ -8,7 +8,7 @@ use cartilage_contact::error::Error;
 use cartilage_contact::io::case::Case;
 use cartilage_contact::parameters::{Inputs, PARAMETERS, Value};
 use cartilage_contact::simulation::{Input, Simulation};
-use cartilage_contact::variables::{self, Source, VARIABLES, Variable, View};
+use cartilage_contact::variables::{self, Source, Type, VARIABLES, Variable, View};
 
 use super::parquet::{self, Column};
 use crate::cli::format;
@@ -111,8 +111,10 @@ impl Table {
         let columns: Vec<_> = columns()
             .map(|variable| {
                 let name = variable.name.as_str();
-                let column = match variable.source {
-                    Source::Regime => Column::Words(self.words(name).into_iter().map(String::from).collect()),
+                let column = match variable.data_type() {
+                    Type::Enumeration(_) | Type::Boolean => {
+                        Column::Words(self.words(name).into_iter().map(String::from).collect())
+                    }
                     _ => Column::Numbers(self.numbers(name)),
                 };
                 (name, column)
@@ -200,8 +202,9 @@ fn read(path: &Path) -> Result<Vec<Vec<String>>, Error> {
     for record in reader.records() {
         let row: Vec<String> = record.map_err(unreadable)?.iter().map(str::to_owned).collect();
         let whole = row.len() == header.len()
-            && columns().zip(&row).all(|(variable, cell)| match variable.source {
-                Source::Regime => cartilage_contact::outputs::Regime::ITEMS.iter().any(|(name, _)| name == cell),
+            && columns().zip(&row).all(|(variable, cell)| match variable.data_type() {
+                Type::Enumeration(items) => items.iter().any(|(name, _)| name == cell),
+                Type::Boolean => cell.parse::<bool>().is_ok(),
                 _ => cell.parse::<f64>().is_ok(),
             });
         if whole {

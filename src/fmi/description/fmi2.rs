@@ -46,18 +46,19 @@ fn body() -> String {
     types(&mut xml, opening, "      </Enumeration>\n    </SimpleType>\n", "        ");
     log_categories_and_experiment(&mut xml);
     xml += "  <ModelVariables>\n";
-    VARIABLES.iter().enumerate().for_each(|(reference, variable)| scalar_variable(&mut xml, reference, variable));
+    VARIABLES.iter().for_each(|variable| scalar_variable(&mut xml, variable));
     xml += "  </ModelVariables>\n\n";
     structure(&mut xml);
     xml += "</fmiModelDescription>\n";
     xml
 }
 
-fn scalar_variable(xml: &mut String, reference: usize, variable: &Variable) {
+fn scalar_variable(xml: &mut String, variable: &Variable) {
     let _ = writeln!(
         xml,
-        "    <ScalarVariable name=\"{}\" valueReference=\"{reference}\" {}\n      description=\"{}\">",
+        "    <ScalarVariable name=\"{}\" valueReference=\"{}\" {}\n      description=\"{}\">",
         variable.name,
+        variable.reference,
         role(variable),
         escape(&variable.description)
     );

@@ -1,6 +1,8 @@
 //! The grid: where its states are, and the table of them.
 
-use super::super::table::{Chart, Grid, QUANTITIES, Side, place};
+use super::super::chart::{Chart, Side};
+use super::super::patch::Grid;
+use super::super::quantities::{MINIMUM_FILM, QUANTITIES};
 use super::super::{Accuracy, Content, ReducedModel};
 use super::touch::Touch;
 use super::{Builder, REST};
@@ -111,7 +113,7 @@ impl Builder<'_> {
                     let start = states.len();
                     states.extend(sample.state.iter().flatten().map(|value| *value as f32));
                     if self.at_touch(*side, *station) {
-                        states[start + place::MINIMUM_FILM] = 0.0;
+                        states[start + MINIMUM_FILM] = 0.0;
                     }
                 }
             }

@@ -3,7 +3,7 @@
 use std::f64::consts::LN_2;
 
 use super::super::ReducedModel;
-use super::super::table::Side;
+use super::super::chart::Side;
 use super::compare::{Comparison, accuracy};
 use super::{Builder, first_lines};
 use crate::error::Error;

@@ -1,6 +1,7 @@
 //! A table beside the full model.
 
-use super::super::table::{Side, place};
+use super::super::chart::Side;
+use super::super::quantities::CENTRAL_FILM;
 use super::super::{Accuracy, Check, Deviation, ReducedModel};
 use super::{Builder, Sample, Tolerance};
 use crate::error::Error;
@@ -22,7 +23,7 @@ impl Builder<'_> {
         let (table, table_slopes) = model.outputs(inputs, &state, side);
         let moving = speed.max(chart.slowest());
         let thin_film = match chart.touch(moving) {
-            Some([depth, _]) => model.state(depth, moving)?.0[0][place::CENTRAL_FILM],
+            Some([depth, _]) => model.state(depth, moving)?.0[0][CENTRAL_FILM],
             None => 0.0,
         };
         let near = NEAR_TOUCH * (self.range.depths[1] - self.range.depths[0]);

@@ -1,6 +1,6 @@
 //! First touch: the depth at which the film first closes at a speed.
 
-use super::super::table::place;
+use super::super::quantities::MINIMUM_FILM;
 use super::{Builder, Sample};
 use crate::error::Error;
 use crate::parameters::Inputs;
@@ -99,7 +99,7 @@ impl Search {
 impl Sample {
     /// Where the film closes on its tangent.
     fn closing(&self) -> Option<f64> {
-        let [film, slope] = [0, 1].map(|k| self.state[k][place::MINIMUM_FILM]);
+        let [film, slope] = [0, 1].map(|k| self.state[k][MINIMUM_FILM]);
         (slope < 0.0).then(|| self.inputs.penetration_depth - film / slope)
     }
 }

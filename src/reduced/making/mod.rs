@@ -13,7 +13,8 @@ use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use self::touch::Touch;
-use super::table::{Side, State, primitives};
+use super::chart::Side;
+use super::quantities::{State, quantities};
 use super::{Range, ReducedModel, boundary_friction};
 use crate::error::Error;
 use crate::outputs::Regime;
@@ -205,11 +206,11 @@ impl Builder<'_> {
 fn sample(simulation: &mut Simulation) -> Result<Sample, Error> {
     let (p, inputs, outputs) = (*simulation.parameters(), *simulation.inputs(), simulation.outputs().clone());
     let boundary = boundary_friction(&p, &inputs);
-    let mut state = Box::new([primitives(&outputs, boundary[0] * outputs.solid_load, p.width); 4]);
+    let mut state = Box::new([quantities(&outputs, boundary[0] * outputs.solid_load, p.width); 4]);
     for input in [Input::PenetrationDepth, Input::SlidingSpeed, Input::SlideToRollRatio] {
         let (k, derivatives) = (1 + input as usize, simulation.derivatives(input)?);
         let friction = boundary[0] * derivatives.solid_load + boundary[k] * outputs.solid_load;
-        state[k] = primitives(derivatives, friction, p.width);
+        state[k] = quantities(derivatives, friction, p.width);
     }
     let touching = matches!(outputs.lubrication_regime, Regime::BoundaryContact | Regime::HighFriction);
     Ok(Sample { inputs, state, touching })
