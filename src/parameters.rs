@@ -7,7 +7,7 @@ mod presets;
 mod table;
 
 use crate::error::Error;
-pub use crate::laws::{Formulation, PermeabilityLaw};
+pub use crate::laws::{Formulation, PermeabilityLaw, SolidLaw};
 pub use presets::{PRESETS, Preset, PresetRow, Tissue};
 pub use table::{Kind, PARAMETERS, Parameter, Value, find};
 
@@ -32,6 +32,10 @@ pub struct Body {
     pub permeability_exponent: f64,
     /// Coefficient of the exponential in the permeability [1].
     pub permeability_strain_coefficient: f64,
+    /// How the drained solid answers to strain; both moduli are those at small strain.
+    pub solid_law: SolidLaw,
+    /// Coefficient of the exponential in the strain energy [1] ([`SolidLaw::HolmesMow`] only).
+    pub stiffening_coefficient: f64,
 }
 
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
@@ -152,6 +156,9 @@ impl Default for Parameters {
             permeability_exponent: 2.0,
             // With the other two the slope at small strain of the fit quoted from Holmes and Mow, M = 4.638 and L = 0.0848: 4.7.
             permeability_strain_coefficient: 2.2,
+            solid_law: SolidLaw::NeoHookean,
+            // Quoted for cartilage of calves: Ateshian et al., Journal of Biomechanics 30 (11/12), 1157-1164, 1997.
+            stiffening_coefficient: 0.35,
         };
         Self {
             upper: body,
@@ -264,6 +271,26 @@ impl Parameters {
                     body.biot_coefficient,
                     "above 0 in the paper's formulation, which weighs the shear modulus with it; or formulation = \"consistent\"",
                 ));
+            }
+            if body.solid_law == SolidLaw::HolmesMow {
+                if self.formulation == Formulation::Paper {
+                    return Err(Error::value(
+                        &format!("{name}.solid_law"),
+                        "holmes_mow",
+                        "\"neo_hookean\" in the paper's formulation, which weighs the two terms of that law; or formulation = \"consistent\"",
+                    ));
+                }
+                if body.bulk_modulus < 2.0 / 3.0 * body.shear_modulus {
+                    return Err(Error::value(
+                        &format!("{name}.bulk_modulus"),
+                        body.bulk_modulus,
+                        format!(
+                            "2/3 of {name}.shear_modulus or more, {}, with solid_law holmes_mow, which would not be stable with a \
+                             negative Poisson's ratio; or solid_law = \"neo_hookean\"",
+                            2.0 / 3.0 * body.shear_modulus
+                        ),
+                    ));
+                }
             }
             if body.thickness >= 0.5 * body.outer_radius {
                 return Err(Error::value(

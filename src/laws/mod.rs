@@ -16,6 +16,15 @@ pub enum PermeabilityLaw {
     HolmesMow,
 }
 
+/// How the drained solid answers to strain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum SolidLaw {
+    /// [`solid::NeoHookean`].
+    NeoHookean,
+    /// [`solid::HolmesMow`].
+    HolmesMow,
+}
+
 /// Which reading of the balance laws is solved (see the crate documentation).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Formulation {

@@ -1,6 +1,6 @@
 //! The table of parameters: names, units, ranges and descriptions, and how values are read and set by name.
 
-use super::{Control, Fidelity, Formulation, PRESETS, Parameters, PermeabilityLaw, TimeIntegration, presets};
+use super::{Control, Fidelity, Formulation, PRESETS, Parameters, PermeabilityLaw, SolidLaw, TimeIntegration, presets};
 use crate::error::Error;
 use crate::units::Unit;
 
@@ -331,8 +331,17 @@ static CAVITATION_ROWS: [Parameter; 2] = rows! {
         "Least pressure of the film, above ambient (where cavitation is true)";
 };
 
-const PARTS: [&[Parameter]; 6] =
-    [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &PRESET_ROW, &CAVITATION_ROWS];
+static SOLID_ROWS: [Parameter; 4] = body_rows! {
+    [520, 521] solid_law: choice(
+        SolidLaw::NeoHookean => "neo_hookean": "Neo-Hookean solid",
+        SolidLaw::HolmesMow => "holmes_mow": "Exponential solid of Holmes and Mow: it stiffens as it is strained (consistent formulation)",
+    ), "Law of the drained solid, whose moduli are those at small strain,";
+    [522, 523] stiffening_coefficient: real(Unit::One, 0.0, 20.0, 1.0),
+        "Coefficient of the exponential in the strain energy, 0 or more (solid_law holmes_mow),";
+};
+
+const PARTS: [&[Parameter]; 7] =
+    [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &PRESET_ROW, &CAVITATION_ROWS, &SOLID_ROWS];
 
 const COUNT: usize = {
     let (mut count, mut part) = (0, 0);

@@ -14,9 +14,8 @@ use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
 use crate::laws::contact::mobilised_friction;
-use crate::laws::darcy::HolmesMow;
-use crate::laws::solid::NeoHookean;
-use crate::laws::{Formulation, PermeabilityLaw};
+use crate::laws::solid::{self, NeoHookean};
+use crate::laws::{Formulation, PermeabilityLaw, SolidLaw, darcy};
 use crate::parameters::{Body, Inputs, Mesh, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
 
@@ -159,16 +158,24 @@ impl Layer {
         Self {
             mesh: LayerMesh::sector(stations, &depths, body.outer_radius, side, parameters.pressure_order),
             tissue: Tissue {
-                solid: NeoHookean {
-                    shear_modulus: isochoric * body.shear_modulus,
-                    bulk_modulus: volumetric * body.bulk_modulus,
-                }
-                .into(),
+                solid: match body.solid_law {
+                    SolidLaw::NeoHookean => NeoHookean {
+                        shear_modulus: isochoric * body.shear_modulus,
+                        bulk_modulus: volumetric * body.bulk_modulus,
+                    }
+                    .into(),
+                    SolidLaw::HolmesMow => solid::HolmesMow {
+                        shear_modulus: body.shear_modulus,
+                        bulk_modulus: body.bulk_modulus,
+                        stiffening_coefficient: body.stiffening_coefficient,
+                    }
+                    .into(),
+                },
                 biot_coefficient: alpha,
                 mobility: body.permeability / parameters.viscosity,
                 strain_dependence: match parameters.permeability_law {
                     PermeabilityLaw::Constant => None,
-                    PermeabilityLaw::HolmesMow => Some(HolmesMow {
+                    PermeabilityLaw::HolmesMow => Some(darcy::HolmesMow {
                         solid_volume_fraction: body.solid_volume_fraction,
                         exponent: body.permeability_exponent,
                         strain_coefficient: body.permeability_strain_coefficient,

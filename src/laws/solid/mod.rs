@@ -1,5 +1,6 @@
 //! The drained solid of the tissue: hyperelastic, in plane strain.
 
+mod holmes_mow;
 mod isotropic;
 mod neo_hookean;
 #[cfg(test)]
@@ -8,6 +9,7 @@ mod tests;
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
 use super::kinematics::{Strain, flatten, unflatten};
+pub use holmes_mow::HolmesMow;
 use isotropic::{FirstDerivatives, OutOfPlane, SecondDerivatives};
 pub use neo_hookean::NeoHookean;
 
@@ -16,11 +18,19 @@ pub use neo_hookean::NeoHookean;
 pub enum Solid {
     /// Compressible neo-Hookean solid.
     NeoHookean(NeoHookean),
+    /// Exponential solid of Holmes and Mow.
+    HolmesMow(HolmesMow),
 }
 
 impl From<NeoHookean> for Solid {
     fn from(law: NeoHookean) -> Self {
         Self::NeoHookean(law)
+    }
+}
+
+impl From<HolmesMow> for Solid {
+    fn from(law: HolmesMow) -> Self {
+        Self::HolmesMow(law)
     }
 }
 
@@ -30,6 +40,7 @@ impl Solid {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
         match self {
             Self::NeoHookean(law) => law.energy(i, e),
+            Self::HolmesMow(law) => law.energy(i, e),
         }
     }
 
@@ -93,6 +104,7 @@ impl Solid {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
         match self {
             Self::NeoHookean(law) => law.first(i, e),
+            Self::HolmesMow(law) => law.first(i, e),
         }
     }
 
@@ -100,6 +112,7 @@ impl Solid {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
         match self {
             Self::NeoHookean(law) => law.second(i, e),
+            Self::HolmesMow(law) => law.second(i, e),
         }
     }
 
@@ -107,6 +120,7 @@ impl Solid {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
         match self {
             Self::NeoHookean(law) => law.out_of_plane(i, e),
+            Self::HolmesMow(law) => law.out_of_plane(i, e),
         }
     }
 }

@@ -7,7 +7,14 @@ const BULK: f64 = 0.5e6;
 
 /// Every law, with these small-strain moduli.
 fn solids() -> Vec<Solid> {
-    vec![NeoHookean { shear_modulus: SHEAR, bulk_modulus: BULK }.into()]
+    let holmes_mow =
+        |stiffening_coefficient| HolmesMow { shear_modulus: SHEAR, bulk_modulus: BULK, stiffening_coefficient }.into();
+    vec![
+        NeoHookean { shear_modulus: SHEAR, bulk_modulus: BULK }.into(),
+        holmes_mow(0.0),
+        holmes_mow(0.35),
+        holmes_mow(2.0),
+    ]
 }
 
 fn strain(h: [f64; 4]) -> Strain {
@@ -38,6 +45,35 @@ fn neo_hookean_plane_strain_uniaxial_stress_matches_the_computed_stretches() {
 fn neo_hookean_simple_shear_is_linear() {
     let p = solids()[0].stress(&strain([0.0, 0.3, 0.0, 0.0]));
     assert_relative_eq!(p.m12, 0.3 * SHEAR, max_relative = 1e-12);
+}
+
+#[test]
+fn holmes_mow_uniaxial_strain_matches_the_closed_form() {
+    // Cauchy stress H/2 (l - 1/l) exp(b (l^2 - 1 - 2 ln l)): the published form H/2 (l^2 - 1) / l^(2 b + 1) exp(b (l^2 - 1)).
+    let h = BULK + 4.0 / 3.0 * SHEAR;
+    for (solid, b) in solids()[1..].iter().zip([0.0, 0.35, 2.0]) {
+        for l in [0.7_f64, 0.95, 1.2] {
+            let exact = 0.5 * h * (l * l - 1.0) / l.powf(2.0 * b + 1.0) * (b * (l * l - 1.0)).exp();
+            // Along the stretch, Cauchy and first Piola-Kirchhoff stress are the same.
+            assert_relative_eq!(solid.stress(&strain([0.0, 0.0, 0.0, l - 1.0])).m22, exact, max_relative = 1e-12);
+        }
+    }
+}
+
+/// W with its constants and invariants as printed, those of C in three dimensions.
+#[test]
+fn holmes_mow_energy_is_the_published_one() {
+    let (solid, b, lame) = (solids()[2], 0.35_f64, BULK - 2.0 / 3.0 * SHEAR);
+    for h in [[0.1, 0.2, -0.1, -0.3], [0.3, 0.0, 0.25, 0.2]] {
+        let f = nalgebra::Matrix3::new(1.0 + h[0], h[1], 0.0, h[2], 1.0 + h[3], 0.0, 0.0, 0.0, 1.0);
+        let c: nalgebra::Matrix3<f64> = f.transpose() * f;
+        let (i1, i2) = (c.trace(), 0.5 * (c.trace().powi(2) - (c * c).trace()));
+        let brackets =
+            (2.0 * SHEAR - lame) * (i1 - 3.0) + lame * (i2 - 3.0) - (lame + 2.0 * SHEAR) * f.determinant().powi(2).ln();
+        let q = b / (lame + 2.0 * SHEAR) * brackets;
+        let exact = 0.5 * (lame + 2.0 * SHEAR) / (2.0 * b) * (q.exp() - 1.0);
+        assert_relative_eq!(solid.energy(&strain(h)), exact, max_relative = 1e-12);
+    }
 }
 
 /// Hooke's law with G and K, out of the plane too, at strains where 1 + strain has lost most digits.
