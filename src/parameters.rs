@@ -36,6 +36,12 @@ pub struct Body {
     pub solid_law: SolidLaw,
     /// Coefficient of the exponential in the strain energy [1] ([`SolidLaw::HolmesMow`] only).
     pub stiffening_coefficient: f64,
+    /// Modulus of the fibres that only pull [Pa]; 0: there are none.
+    pub fibre_modulus: f64,
+    /// Exponent of their strain energy [1].
+    pub fibre_exponent: f64,
+    /// Coefficient of the exponential in it [1]; 0: a power law.
+    pub fibre_exponential_coefficient: f64,
 }
 
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
@@ -159,6 +165,9 @@ impl Default for Parameters {
             solid_law: SolidLaw::NeoHookean,
             // Quoted for cartilage of calves: Ateshian et al., Journal of Biomechanics 30 (11/12), 1157-1164, 1997.
             stiffening_coefficient: 0.35,
+            fibre_modulus: 0.0,
+            fibre_exponent: 2.0,
+            fibre_exponential_coefficient: 0.0,
         };
         Self {
             upper: body,
@@ -292,6 +301,13 @@ impl Parameters {
                     ));
                 }
             }
+            if self.formulation == Formulation::Paper && body.fibre_modulus > 0.0 {
+                return Err(Error::value(
+                    &format!("{name}.fibre_modulus"),
+                    body.fibre_modulus,
+                    "0 in the paper's formulation, whose equations have no fibres; or formulation = \"consistent\"",
+                ));
+            }
             if body.thickness >= 0.5 * body.outer_radius {
                 return Err(Error::value(
                     &format!("{name}.thickness"),
@@ -301,5 +317,31 @@ impl Parameters {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_paper_s_formulation_has_the_paper_s_solid() {
+        let paper = Parameters::default();
+        for (name, change) in [
+            ("lower.solid_law", (|body| body.solid_law = SolidLaw::HolmesMow) as fn(&mut Body)),
+            ("lower.fibre_modulus", |body| body.fibre_modulus = 1e6),
+        ] {
+            let mut changed = paper;
+            change(&mut changed.lower);
+            let refusal = changed.validate().unwrap_err().to_string();
+            assert!(refusal.starts_with(name) && refusal.contains("consistent"), "{refusal}");
+            changed.formulation = Formulation::Consistent;
+            assert!(changed.validate().is_ok());
+        }
+        let mut auxetic = Parameters { formulation: Formulation::Consistent, ..paper };
+        auxetic.upper.bulk_modulus = 0.6 * auxetic.upper.shear_modulus;
+        assert!(auxetic.validate().is_ok());
+        auxetic.upper.solid_law = SolidLaw::HolmesMow;
+        assert!(auxetic.validate().unwrap_err().to_string().starts_with("upper.bulk_modulus"));
     }
 }

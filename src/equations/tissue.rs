@@ -315,7 +315,7 @@ fn dot(f: &[f64; NODES], values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::fem::mesh::{graded, quadratic_stations};
-    use crate::laws::solid::{self, NeoHookean};
+    use crate::laws::solid::{self, Fibres, NeoHookean};
     use proptest::prelude::*;
 
     fn mesh(order: i32, side: f64) -> LayerMesh {
@@ -348,15 +348,18 @@ mod tests {
         fn tangent_is_the_derivative_of_the_residual(
             seed in prop::collection::vec(-1.0..1.0f64, 31),
             direction in prop::collection::vec(-1.0..1.0f64, 29),
-            consistent: bool, order in 1..3_i32, upper: bool, strained: bool, stiffening: bool,
+            consistent: bool, order in 1..3_i32, upper: bool, strained: bool, stiffening: bool, fibres: bool,
         ) {
             let side = if upper { 1.0 } else { -1.0 };
             let mesh = mesh(order, side);
             let tissue = Tissue {
-                solid: if stiffening {
-                    solid::HolmesMow { shear_modulus: 0.45e6, bulk_modulus: 0.5e6, stiffening_coefficient: 2.0 }.into()
-                } else {
-                    NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 }.into()
+                solid: Solid {
+                    fibres: fibres.then(|| Fibres::new(2e6, 3.0, 4.0)),
+                    ..if stiffening {
+                        solid::HolmesMow { shear_modulus: 0.45e6, bulk_modulus: 0.5e6, stiffening_coefficient: 2.0 }.into()
+                    } else {
+                        NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 }.into()
+                    }
                 },
                 biot_coefficient: 0.9, mobility: 1e-12, fluid_compressibility: 1e-7, consistent,
                 strain_dependence: strained.then_some(HolmesMow {

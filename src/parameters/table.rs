@@ -331,13 +331,18 @@ static CAVITATION_ROWS: [Parameter; 2] = rows! {
         "Least pressure of the film, above ambient (where cavitation is true)";
 };
 
-static SOLID_ROWS: [Parameter; 4] = body_rows! {
+static SOLID_ROWS: [Parameter; 10] = body_rows! {
     [520, 521] solid_law: choice(
         SolidLaw::NeoHookean => "neo_hookean": "Neo-Hookean solid",
         SolidLaw::HolmesMow => "holmes_mow": "Exponential solid of Holmes and Mow: it stiffens as it is strained (consistent formulation)",
     ), "Law of the drained solid, whose moduli are those at small strain,";
     [522, 523] stiffening_coefficient: real(Unit::One, 0.0, 20.0, 1.0),
-        "Coefficient of the exponential in the strain energy, 0 or more (solid_law holmes_mow),";
+        "Coefficient of the exponential in the strain energy (solid_law holmes_mow)";
+    [524, 525] fibre_modulus: real(Unit::Pascal, 0.0, 1e10, 1e6),
+        "Modulus of fibres in all directions that only pull, 0 for none (consistent formulation),";
+    [526, 527] fibre_exponent: real(Unit::One, 2.0, 10.0, 1.0), "Exponent of the fibres' strain energy";
+    [528, 529] fibre_exponential_coefficient: real(Unit::One, 0.0, 1e3, 1.0),
+        "Coefficient of the exponential in the fibres' strain energy, 0 for a power law,";
 };
 
 const PARTS: [&[Parameter]; 7] =

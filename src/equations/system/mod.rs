@@ -14,7 +14,7 @@ use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
 use crate::laws::contact::mobilised_friction;
-use crate::laws::solid::{self, NeoHookean};
+use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
 use crate::laws::{Formulation, PermeabilityLaw, SolidLaw, darcy};
 use crate::parameters::{Body, Inputs, Mesh, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
@@ -158,18 +158,21 @@ impl Layer {
         Self {
             mesh: LayerMesh::sector(stations, &depths, body.outer_radius, side, parameters.pressure_order),
             tissue: Tissue {
-                solid: match body.solid_law {
-                    SolidLaw::NeoHookean => NeoHookean {
-                        shear_modulus: isochoric * body.shear_modulus,
-                        bulk_modulus: volumetric * body.bulk_modulus,
-                    }
-                    .into(),
-                    SolidLaw::HolmesMow => solid::HolmesMow {
-                        shear_modulus: body.shear_modulus,
-                        bulk_modulus: body.bulk_modulus,
-                        stiffening_coefficient: body.stiffening_coefficient,
-                    }
-                    .into(),
+                solid: Solid {
+                    matrix: match body.solid_law {
+                        SolidLaw::NeoHookean => GroundMatrix::NeoHookean(NeoHookean {
+                            shear_modulus: isochoric * body.shear_modulus,
+                            bulk_modulus: volumetric * body.bulk_modulus,
+                        }),
+                        SolidLaw::HolmesMow => GroundMatrix::HolmesMow(solid::HolmesMow {
+                            shear_modulus: body.shear_modulus,
+                            bulk_modulus: body.bulk_modulus,
+                            stiffening_coefficient: body.stiffening_coefficient,
+                        }),
+                    },
+                    fibres: (body.fibre_modulus > 0.0).then(|| {
+                        Fibres::new(body.fibre_modulus, body.fibre_exponent, body.fibre_exponential_coefficient)
+                    }),
                 },
                 biot_coefficient: alpha,
                 mobility: body.permeability / parameters.viscosity,

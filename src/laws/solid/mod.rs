@@ -1,5 +1,6 @@
 //! The drained solid of the tissue: hyperelastic, in plane strain.
 
+mod fibres;
 mod holmes_mow;
 mod isotropic;
 mod neo_hookean;
@@ -9,34 +10,43 @@ mod tests;
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
 use super::kinematics::{Strain, flatten, unflatten};
+pub use fibres::Fibres;
 pub use holmes_mow::HolmesMow;
 use isotropic::{FirstDerivatives, OutOfPlane, SecondDerivatives};
 pub use neo_hookean::NeoHookean;
 
-/// The laws to choose from.
+/// The laws of the ground matrix to choose from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Solid {
+pub enum GroundMatrix {
     /// Compressible neo-Hookean solid.
     NeoHookean(NeoHookean),
     /// Exponential solid of Holmes and Mow.
     HolmesMow(HolmesMow),
 }
 
+/// The solid: what its ground matrix and its fibres add up to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solid {
+    /// Ground matrix, isotropic.
+    pub matrix: GroundMatrix,
+    /// Fibres that only pull, where there are any.
+    pub fibres: Option<Fibres>,
+}
+
 impl From<NeoHookean> for Solid {
     fn from(law: NeoHookean) -> Self {
-        Self::NeoHookean(law)
+        Self { matrix: GroundMatrix::NeoHookean(law), fibres: None }
     }
 }
 
 impl From<HolmesMow> for Solid {
     fn from(law: HolmesMow) -> Self {
-        Self::HolmesMow(law)
+        Self { matrix: GroundMatrix::HolmesMow(law), fibres: None }
     }
 }
 
-impl Solid {
-    /// Strain energy W per reference volume [J/m^3].
-    pub fn energy(&self, strain: &Strain) -> f64 {
+impl GroundMatrix {
+    fn energy(&self, strain: &Strain) -> f64 {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
         match self {
             Self::NeoHookean(law) => law.energy(i, e),
@@ -44,18 +54,58 @@ impl Solid {
         }
     }
 
+    #[inline(always)]
+    fn first(&self, strain: &Strain) -> FirstDerivatives {
+        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
+        match self {
+            Self::NeoHookean(law) => law.first(i, e),
+            Self::HolmesMow(law) => law.first(i, e),
+        }
+    }
+
+    fn second(&self, strain: &Strain) -> SecondDerivatives {
+        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
+        match self {
+            Self::NeoHookean(law) => law.second(i, e),
+            Self::HolmesMow(law) => law.second(i, e),
+        }
+    }
+
+    fn out_of_plane(&self, strain: &Strain) -> OutOfPlane {
+        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
+        match self {
+            Self::NeoHookean(law) => law.out_of_plane(i, e),
+            Self::HolmesMow(law) => law.out_of_plane(i, e),
+        }
+    }
+}
+
+impl Solid {
+    /// Strain energy W per reference volume [J/m^3].
+    pub fn energy(&self, strain: &Strain) -> f64 {
+        self.matrix.energy(strain) + self.fibres.as_ref().map_or(0.0, |fibres| fibres.energy(strain))
+    }
+
     /// First Piola-Kirchhoff stress P = dW/dF [Pa].
     #[inline(always)]
     pub fn stress(&self, strain: &Strain) -> Matrix2<f64> {
-        isotropic::stress(&self.first(strain), strain)
+        let stress = isotropic::stress(&self.matrix.first(strain), strain);
+        match &self.fibres {
+            None => stress,
+            Some(fibres) => stress + fibres.stress(strain),
+        }
     }
 
     /// Tangent dP/dF [Pa], rows and columns in the order of [`flatten`].
     pub fn tangent(&self, strain: &Strain) -> Matrix4<f64> {
-        isotropic::tangent(&self.first(strain), &self.second(strain), strain)
+        let tangent = isotropic::tangent(&self.matrix.first(strain), &self.matrix.second(strain), strain);
+        match &self.fibres {
+            None => tangent,
+            Some(fibres) => tangent + fibres.tangent(strain),
+        }
     }
 
-    /// Modulus of uniaxial strain at small strain, K + 4G/3 [Pa].
+    /// Modulus of uniaxial compression at small strain, K + 4G/3 [Pa]: no fibre pulls.
     pub fn aggregate_modulus(&self) -> f64 {
         self.tangent(&Strain::new(Matrix2::zeros()))[(3, 3)]
     }
@@ -91,36 +141,16 @@ impl Solid {
 
     /// First Piola-Kirchhoff stress P_zz [Pa].
     pub fn out_of_plane_stress(&self, strain: &Strain) -> f64 {
-        self.out_of_plane(strain).stress
+        self.matrix.out_of_plane(strain).stress
+            + self.fibres.as_ref().map_or(0.0, |fibres| fibres.out_of_plane_stress(strain))
     }
 
     /// Its derivative by F [Pa], in the order of [`flatten`].
     pub fn out_of_plane_derivative(&self, strain: &Strain) -> Vector4<f64> {
-        self.out_of_plane(strain).by_strain(strain)
-    }
-
-    #[inline(always)]
-    fn first(&self, strain: &Strain) -> FirstDerivatives {
-        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
-        match self {
-            Self::NeoHookean(law) => law.first(i, e),
-            Self::HolmesMow(law) => law.first(i, e),
-        }
-    }
-
-    fn second(&self, strain: &Strain) -> SecondDerivatives {
-        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
-        match self {
-            Self::NeoHookean(law) => law.second(i, e),
-            Self::HolmesMow(law) => law.second(i, e),
-        }
-    }
-
-    fn out_of_plane(&self, strain: &Strain) -> OutOfPlane {
-        let (i, e) = (strain.first_invariant_change(), strain.volume_change);
-        match self {
-            Self::NeoHookean(law) => law.out_of_plane(i, e),
-            Self::HolmesMow(law) => law.out_of_plane(i, e),
+        let derivative = self.matrix.out_of_plane(strain).by_strain(strain);
+        match &self.fibres {
+            None => derivative,
+            Some(fibres) => derivative + fibres.out_of_plane_derivative(strain),
         }
     }
 }

@@ -9,12 +9,10 @@ const BULK: f64 = 0.5e6;
 fn solids() -> Vec<Solid> {
     let holmes_mow =
         |stiffening_coefficient| HolmesMow { shear_modulus: SHEAR, bulk_modulus: BULK, stiffening_coefficient }.into();
-    vec![
-        NeoHookean { shear_modulus: SHEAR, bulk_modulus: BULK }.into(),
-        holmes_mow(0.0),
-        holmes_mow(0.35),
-        holmes_mow(2.0),
-    ]
+    let matrix: Solid = NeoHookean { shear_modulus: SHEAR, bulk_modulus: BULK }.into();
+    // Exponents at which finite differences do not see where a fibre begins to pull.
+    let fibres = |exponent, coefficient| Solid { fibres: Some(Fibres::new(1e6, exponent, coefficient)), ..matrix };
+    vec![matrix, holmes_mow(0.0), holmes_mow(0.35), holmes_mow(2.0), fibres(4.0, 0.0), fibres(3.5, 2.0)]
 }
 
 fn strain(h: [f64; 4]) -> Strain {
@@ -74,6 +72,138 @@ fn holmes_mow_energy_is_the_published_one() {
         let exact = 0.5 * (lame + 2.0 * SHEAR) / (2.0 * b) * (q.exp() - 1.0);
         assert_relative_eq!(solid.energy(&strain(h)), exact, max_relative = 1e-12);
     }
+}
+
+/// Means over the unit sphere: n_y^(2 b) is 1 / (2 b + 1), n_y^(2 b - 2) n_x^2 is 1 / ((2 b - 1) (2 b + 1)).
+#[test]
+fn fibres_in_uniaxial_extension_match_the_closed_form() {
+    for b in [2.0, 3.0, 4.0] {
+        let fibres = Fibres::new(3e6, b, 0.0);
+        for l in [1.0001_f64, 1.02, 1.3] {
+            let (s, x) = (strain([0.0, 0.0, 0.0, l - 1.0]), l * l - 1.0);
+            let pull = 2.0 * 3e6 * x.powf(b - 1.0) / (2.0 * b + 1.0);
+            assert_relative_eq!(fibres.energy(&s), 3e6 / b * x.powf(b) / (2.0 * b + 1.0), max_relative = 1e-9);
+            let p = fibres.stress(&s);
+            assert_relative_eq!(p.m22, pull * l, max_relative = 1e-9);
+            assert_relative_eq!(p.m11, pull / (2.0 * b - 1.0), max_relative = 1e-9);
+            assert_relative_eq!(fibres.out_of_plane_stress(&s), pull / (2.0 * b - 1.0), max_relative = 1e-9);
+        }
+    }
+    // Small extension, b = 2.
+    let fibres = Fibres::new(3e6, 2.0, 0.0);
+    assert_relative_eq!(fibres.tangent(&strain([0.0, 0.0, 0.0, 1e-9]))[(3, 3)], 0.8 * 3e6, max_relative = 1e-7);
+}
+
+#[test]
+fn fibres_do_not_push() {
+    let fibres = Fibres::new(3e6, 2.0, 1.0);
+    for s in [[0.0; 4], [-0.1, 0.05, -0.03, -0.2], [0.0, 0.0, 0.0, -0.1]].map(strain) {
+        assert_eq!(fibres.energy(&s), 0.0);
+        assert_eq!(fibres.stress(&s), Matrix2::zeros());
+        assert_eq!(fibres.tangent(&s), Matrix4::zeros());
+        assert_eq!((fibres.out_of_plane_stress(&s), fibres.out_of_plane_derivative(&s)), (0.0, Vector4::zeros()));
+    }
+}
+
+/// The definition in three dimensions, by the midpoint rule in both angles of the sphere.
+#[test]
+fn the_energy_of_fibres_is_the_mean_over_the_sphere() {
+    const COUNT: usize = 1000;
+    let (modulus, b, a) = (2e6, 2.5, 3.0);
+    for h in [[0.2, 0.1, -0.05, 0.1], [0.2, 0.1, -0.05, -0.1]] {
+        let f = nalgebra::Matrix3::new(1.0 + h[0], h[1], 0.0, h[2], 1.0 + h[3], 0.0, 0.0, 0.0, 1.0);
+        let mut sum = 0.0;
+        for i in 0..COUNT {
+            let cosine = (2 * i + 1) as f64 / COUNT as f64 - 1.0;
+            let sine = (1.0 - cosine * cosine).sqrt();
+            for j in 0..COUNT {
+                let (y, x) = (std::f64::consts::PI * (j as f64 + 0.5) / COUNT as f64).sin_cos();
+                let stretch = (f * nalgebra::Vector3::new(sine * x, sine * y, cosine)).norm_squared();
+                if stretch > 1.0 {
+                    sum += modulus / (a * b) * ((a * (stretch - 1.0).powf(b)).exp() - 1.0);
+                }
+            }
+        }
+        let mean = sum / (COUNT * COUNT) as f64;
+        assert_relative_eq!(Fibres::new(modulus, b, a).energy(&strain(h)), mean, max_relative = 3e-3);
+    }
+}
+
+#[test]
+fn fibres_are_isotropic_between_their_directions() {
+    for exponent in [2.0, 3.0] {
+        let fibres = Fibres::new(1e6, exponent, 0.0);
+        for compression in [0.01, 0.1, 0.2] {
+            let stretches = Matrix2::new(0.1, 0.0, 0.0, -compression);
+            let pull = |degrees: f64| {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                let rotation = Matrix2::new(cos, -sin, sin, cos);
+                (rotation.transpose()
+                    * fibres.stress(&Strain::new(rotation * stretches * rotation.transpose()))
+                    * rotation)
+                    .m11
+            };
+            (1..8).for_each(|k| assert_relative_eq!(pull(0.0), pull(f64::from(k)), max_relative = 1e-2));
+        }
+    }
+}
+
+/// The tangent where fibres pull from the first, b = 2.
+#[test]
+fn bilinear_fibres_have_the_derivatives_of_their_energy() {
+    let solid = Solid { fibres: Some(Fibres::new(2e6, 2.0, 5.0)), ..solids()[0] };
+    for h in [[0.11, 0.07, -0.03, -0.12], [-0.05, 0.2, 0.1, 0.08]] {
+        let (p, tangent) = (flatten(&solid.stress(&strain(h))), solid.tangent(&strain(h)));
+        for k in 0..4 {
+            let along = std::array::from_fn(|i| f64::from(i == k));
+            assert_relative_eq!(p[k], difference(|s| solid.energy(s), h, along), max_relative = 1e-6);
+            let by_difference = difference(|s| flatten(&solid.stress(s)), h, along);
+            assert!((tangent.column(k) - by_difference).amax() < 1e-7 * tangent.amax());
+        }
+    }
+}
+
+/// Plane strain between frictionless plates, free at the sides: Newton's method on the lateral stretch, against bisection on
+/// the energy in principal stretches with a fine sum over the fibres, b = 2: the mean of s^4 over the sphere is 8/15.
+#[test]
+fn unconfined_compression_and_tension_match_a_solution_in_principal_stretches() {
+    let (modulus, shear, bulk) = (10e6, 0.17e6, 0.4e6);
+    let matrix: Solid = NeoHookean { shear_modulus: shear, bulk_modulus: bulk }.into();
+    let solid = Solid { fibres: Some(Fibres::new(modulus, 2.0, 0.0)), ..matrix };
+    let energy = |x: f64, y: f64| {
+        let count = 4000;
+        let pull = |k: usize| {
+            let (sin, cos) = (std::f64::consts::PI * (k as f64 + 0.5) / f64::from(count)).sin_cos();
+            ((x * x - 1.0) * cos * cos + (y * y - 1.0) * sin * sin).max(0.0).powi(2)
+        };
+        let fibres = 0.5 * modulus * 8.0 / 15.0 * (0..count as usize).map(pull).sum::<f64>() / f64::from(count);
+        let j = x * y;
+        0.5 * shear * ((x * x + y * y + 1.0) / j.cbrt().powi(2) - 3.0) + 0.5 * bulk * (j - 1.0).powi(2) + fibres
+    };
+    let step = 1e-5;
+    let mut stiffness = Vec::new();
+    for l in [0.8, 0.9, 1.1] {
+        let mut lateral = 0.0;
+        for _ in 0..30 {
+            let s = strain([lateral, 0.0, 0.0, l - 1.0]);
+            lateral -= solid.stress(&s).m11 / solid.tangent(&s)[(0, 0)];
+        }
+        let s = strain([lateral, 0.0, 0.0, l - 1.0]);
+        assert!(solid.stress(&s).m11.abs() < 1e-3);
+        let side = |x: f64| (energy(x + step, l) - energy(x - step, l)) / (2.0 * step);
+        let (mut low, mut high) = (0.5, 1.5);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if side(middle) > 0.0 { high = middle } else { low = middle }
+        }
+        let exact = (energy(low, l + step) - energy(low, l - step)) / (2.0 * step);
+        println!("stretch {l}: lateral {} and {low}, stress {} and {exact}", 1.0 + lateral, solid.stress(&s).m22);
+        assert_relative_eq!(1.0 + lateral, low, max_relative = 1e-3);
+        assert_relative_eq!(solid.stress(&s).m22, exact, max_relative = 1e-2);
+        stiffness.push(solid.stress(&s).m22 / (l - 1.0));
+    }
+    // The matrix alone is about as stiff in tension as in compression.
+    assert!(stiffness[2] > 4.0 * stiffness[1], "{stiffness:?}");
 }
 
 /// Hooke's law with G and K, out of the plane too, at strains where 1 + strain has lost most digits.
