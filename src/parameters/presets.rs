@@ -113,7 +113,7 @@ pub static PRESETS: [PresetRow; 6] = [
         description: "Humeral head of calves six months old",
         source: "Soltz and Ateshian, Journal of Biomechanical Engineering 122 (6), 576-586, 2000 (PMC2854000)",
         uncertainty: "aggregate modulus 0.64 +- 0.22 MPa, axial hydraulic permeability (3.62 +- 0.97)e-16 m^4/(N s), the radial one \
-                      is 6.06e-16; in tension the tissue is twenty times stiffer, which the model leaves out; thickness not \
+                      is 6.06e-16; in tension the tissue is twenty times stiffer, which the preset leaves out; thickness not \
                       given, 1.5 mm is assumed",
         tissue: Some(Tissue {
             aggregate_modulus: 0.64e6,
