@@ -6,7 +6,7 @@ mod results;
 
 use num_dual::Dual64;
 
-use crate::equations::system::{At, Change, Direction, System};
+use crate::equations::system::{At, Change, System, chain};
 use crate::equations::tissue::Tissue;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
@@ -80,6 +80,10 @@ impl Derived<Dual64> {
             friction_coefficient: ratio_of(magnitude(friction[0]), load),
             fluid_friction_coefficient: ratio_of(magnitude(fluid_friction[0]), fluid_load),
             fluid_load_support: ratio_of(fluid_load, load),
+            film_parameter: match parameters.surface_roughness {
+                0.0 => Dual64::from(0.0),
+                rms => direct.minimum_film_thickness / rms,
+            },
             sommerfeld_number: ratio_of(sliding_speed * parameters.viscosity, load),
             penetration_depth,
             lubrication_regime: Regime::of(touching, penetration_depth.re, fluid_load.re, solid_load.re),
@@ -89,6 +93,9 @@ impl Derived<Dual64> {
 
 /// Strength of the grading of the profile stations towards x = 0; a constant, so that the stations do not move with the mesh.
 const STATION_GRADING: f64 = 3.0;
+
+/// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
+const MIXED_FILM: f64 = 3.0;
 
 /// Ratios have their denominators kept above this, so that they stay finite without load: 1e-9 N/m is a millionth of the
 /// smallest load of interest.
@@ -114,12 +121,7 @@ pub fn profile_stations(half_width: f64) -> Vec<f64> {
 impl Solved<'_> {
     /// Results.
     pub fn outputs(&self) -> Outputs {
-        let none = Change {
-            unknowns: vec![0.0; self.system.unknowns()],
-            inputs: Direction::default(),
-            history: None,
-            contact_forces: vec![0.0; self.at.contact_forces.len()],
-        };
+        let none = Change::none(self.system.unknowns(), self.system.stations.len());
         self.along(&none).map(|dual| dual.re)
     }
 
@@ -164,50 +166,64 @@ impl Solved<'_> {
                 }
             }
         }
-        let force = |i: usize| match self.at.active[i] {
-            true => Dual64::new(self.at.contact_forces[i], change.contact_forces[i]),
-            false => Dual64::from(0.0),
-        };
-        let contact_pressure: Vec<_> = system.weights.iter().enumerate().map(|(i, w)| force(i) / *w).collect();
-        let solid_load: Dual64 = (0..gap.len()).map(force).sum();
-        let fluid_load: Dual64 = pressure.iter().zip(&system.weights).map(|(p, w)| *p * *w).sum();
+        let contact_pressure = system.contact_pressure(self.at, change);
+        let loads = system.loads(self.at, change);
 
         // Friction: equations 13-15.
+        let rough = system.roughness();
         let (mut rolling, mut sliding) = (Dual64::from(0.0), Dual64::from(0.0));
         for column in 0..gap.len() / 2 {
             let local = |f: &[Dual64], shape: [f64; 3]| (0..3).map(|a| f[2 * column + a] * shape[a]).sum::<Dual64>();
             let half = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let h = local(&gap, quadratic(s));
-                let h = if h.re > 0.0 { h } else { Dual64::from(0.0) };
-                rolling += h * local(&pressure, quadratic_derivative(s)) * (0.5 * w);
+                let h = if h.re > 0.0 || rough.is_some() { h } else { Dual64::from(0.0) };
+                let film = rough.map_or(h, |rough| chain(rough.thickness(h.re), h.eps));
+                rolling += film * local(&pressure, quadratic_derivative(s)) * (0.5 * w);
                 // Void drags nothing. Its jumps at the ends of the torn film make a parabola overshoot; straight lines do not.
                 let full = -local(&void_share, linear(s)) + 1.0;
-                sliding += difference * full * (p.viscosity * half * w) / (h + p.shear_film_offset);
+                let inverse = match rough {
+                    Some(rough) => {
+                        let (thickness, slope) = rough.thickness(h.re);
+                        chain(rough.inverse_thickness(thickness), slope * h.eps)
+                    }
+                    None => Dual64::from(1.0) / (h + p.shear_film_offset),
+                };
+                sliding += difference * full * (p.viscosity * half * w) * inverse;
             }
+        }
+        for [first, second] in system.film_end_shear(self.at, change) {
+            rolling += first;
+            sliding += difference * p.viscosity * second;
         }
         let (m, slopes) =
             mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);
         let mobilised = Dual64::new(m, slopes[0] * speeds[0].eps + slopes[1] * speeds[1].eps);
-        let boundary = solid_load * mobilised * p.boundary_friction_coefficient;
+        let rubbing = loads.solid + loads.fluid_in_contact * p.solid_fraction;
+        let boundary = rubbing * mobilised * p.boundary_friction_coefficient;
         let fluid_friction = [rolling + sliding, -rolling + sliding];
 
-        let touching = self.at.active.contains(&true);
         let (least, position) = extremum(&gap, &system.stations, -1.0);
         let (least, position) = match self.at.active.iter().position(|a| *a) {
             Some(first) => (Dual64::from(0.0), Dual64::from(system.stations[first])),
             // At rest and at first touch round-off decides the sign.
-            None => (if least.re > 0.0 { least } else { Dual64::from(0.0) }, position),
+            None => (if least.re > 0.0 || rough.is_some() { least } else { Dual64::from(0.0) }, position),
         };
+        // Rough surfaces count as touching where the film parameter is below 3.
+        let touching = rough.map_or(self.at.active.contains(&true), |rough| least.re < MIXED_FILM * rough.rms);
         let mut contact_length = Dual64::from(0.0);
         for i in 0..gap.len() - 1 {
             let step = system.stations[i + 1] - system.stations[i];
             // Between a node that presses and one that gapes the edge is where a line through both is zero.
-            let edge = |inside: usize, outside: usize| {
-                let opening = gap[outside] * system.contact_stiffness();
-                contact_pressure[inside] / (contact_pressure[inside] + opening) * step
+            let edge = |inside: usize, outside: usize| match rough {
+                Some(rough) => (gap[inside] - MIXED_FILM * rough.rms) / (gap[inside] - gap[outside]) * step,
+                None => {
+                    let opening = gap[outside] * system.contact_stiffness();
+                    contact_pressure[inside] / (contact_pressure[inside] + opening) * step
+                }
             };
-            contact_length += match (self.at.active[i], self.at.active[i + 1]) {
+            let touches = |i: usize| rough.map_or(self.at.active[i], |rough| gap[i].re < MIXED_FILM * rough.rms);
+            contact_length += match (touches(i), touches(i + 1)) {
                 (true, true) => Dual64::from(step),
                 (true, false) => edge(i, i + 1),
                 (false, true) => edge(i + 1, i),
@@ -231,8 +247,8 @@ impl Solved<'_> {
 
         let profile = |values: &[Dual64]| self.profile(values);
         let direct = Direct {
-            fluid_load,
-            solid_load,
+            fluid_load: loads.fluid,
+            solid_load: loads.solid,
             minimum_film_thickness: least,
             minimum_film_position: position,
             central_film_thickness: if self.at.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
@@ -248,8 +264,17 @@ impl Solved<'_> {
             fluid_exudation: outflow.clone().filter(|v| v.re > 0.0).sum(),
             net_fluid_exudation: outflow.sum(),
             newton_iterations: 0,
+            real_contact_share: ratio_of(loads.in_real_contact, loads.total()),
+            estimated_load_error: Dual64::from(0.0),
+            well_resolved: true,
+            mesh_columns: system.layers[0].mesh.columns as i32,
+            mesh_rows: system.layers[0].mesh.rows as i32,
+            mesh_half_width: Dual64::from(system.half_width()),
             // Between nodes in contact the interpolated gap may dip below zero, where the film is closed.
-            film_thickness: profile(&gap).into_iter().map(|h| if h.re > 0.0 { h } else { Dual64::from(0.0) }).collect(),
+            film_thickness: profile(&gap)
+                .into_iter()
+                .map(|h| if h.re > 0.0 || rough.is_some() { h } else { Dual64::from(0.0) })
+                .collect(),
             fluid_pressure: profile(&pressure),
             contact_pressure: self.linear_profile(&contact_pressure),
         };

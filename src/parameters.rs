@@ -7,6 +7,7 @@ mod presets;
 mod table;
 
 use crate::error::Error;
+pub use crate::laws::roughness::AsperityLaw;
 pub use crate::laws::{Formulation, PermeabilityLaw, SolidLaw};
 pub use presets::{PRESETS, Preset, PresetRow, Tissue};
 pub use table::{Kind, PARAMETERS, Parameter, Value, find};
@@ -47,14 +48,23 @@ pub struct Body {
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mesh {
-    /// Elements along the articular surface.
+    /// Elements along the articular surface; 0 leaves the number to the program.
     pub columns: i32,
-    /// Elements through the thickness.
+    /// Elements through the thickness; 0 leaves the number to the program.
     pub rows: i32,
     /// Strength of the sinh grading towards x = 0; 0 is uniform.
     pub column_grading: f64,
     /// Strength of the sinh grading towards the articular surface; 0 is uniform.
     pub row_grading: f64,
+}
+
+/// Where the nodes of the mesh are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum MeshDistribution {
+    /// By the gradings of [`Mesh`], on a sector that stays.
+    Graded,
+    /// Dense at the edges of the contact and below the surface; steady states take it along as the contact grows.
+    Contact,
 }
 
 /// What time does to the layers.
@@ -91,7 +101,7 @@ pub struct Parameters {
     pub upper: Body,
     /// The body below the film.
     pub lower: Body,
-    /// Half the angle of the sector that is modelled [rad]; of the body with the smaller radius.
+    /// Half the angle of the sector that is modelled [rad]; of the body with the smaller radius. 0: it goes with the contact.
     pub sector_half_angle: f64,
     /// Extent out of the plane [m]: turns forces per unit depth into forces.
     pub width: f64,
@@ -111,6 +121,8 @@ pub struct Parameters {
     pub formulation: Formulation,
     /// The mesh of each body.
     pub mesh: Mesh,
+    /// Where its nodes are.
+    pub mesh_distribution: MeshDistribution,
     /// Order of the pore pressure's shape functions: 1 or 2.
     pub pressure_order: i32,
     /// Newton stops when an update is below this, relative to the fields.
@@ -131,6 +143,20 @@ pub struct Parameters {
     pub cavitation_pressure: f64,
     /// How permeability answers to strain.
     pub permeability_law: PermeabilityLaw,
+    /// Combined root mean square roughness of the two surfaces [m]; 0 is smooth.
+    pub surface_roughness: f64,
+    /// How the pressure of asperities falls with the distance of rough surfaces.
+    pub asperity_law: AsperityLaw,
+    /// Pressure of the asperities where the mean planes meet [Pa].
+    pub asperity_pressure: f64,
+    /// Decay length of the asperities' pressure over the roughness [1] ([`AsperityLaw::Exponential`]).
+    pub asperity_decay: f64,
+    /// Pressure of the stiffer core where the mean planes meet [Pa].
+    pub core_pressure: f64,
+    /// Its decay length over the roughness [1].
+    pub core_decay: f64,
+    /// Share of the fluid's pressure in real contact that boundary friction feels, phi of Ateshian [1] (rough surfaces).
+    pub solid_fraction: f64,
     /// Where the other values start from; to get these values, [`Preset::parameters`].
     pub preset: Preset,
     /// What [`Parameter::set`] was told so far.
@@ -182,6 +208,7 @@ impl Default for Parameters {
             shear_film_offset: 1e-7,
             formulation: Formulation::Paper,
             mesh: Mesh { columns: 120, rows: 8, column_grading: 2.5, row_grading: 2.0 },
+            mesh_distribution: MeshDistribution::Graded,
             pressure_order: 2,
             tolerance: 1e-6,
             fidelity: Fidelity::Full,
@@ -192,6 +219,13 @@ impl Default for Parameters {
             cavitation: false,
             cavitation_pressure: -1e5,
             permeability_law: PermeabilityLaw::Constant,
+            surface_roughness: 0.0,
+            asperity_law: AsperityLaw::Exponential,
+            asperity_pressure: 20e3,
+            asperity_decay: 0.5,
+            core_pressure: 10e6,
+            core_decay: 0.1,
+            solid_fraction: 0.0,
             preset: Preset::Paper,
             named: Named::default(),
         }
@@ -272,6 +306,32 @@ impl Parameters {
         let mut copy = *self;
         for row in PARAMETERS {
             row.set(&mut copy, &row.get(self))?;
+        }
+        if (1..8).contains(&self.mesh.columns) {
+            let allowed = "8 or more, or 0 to leave the number to the program";
+            return Err(Error::value("mesh.columns", self.mesh.columns, allowed));
+        }
+        let sector = self.sector_half_angle;
+        if sector > 0.0 && sector < 1e-3 {
+            return Err(Error::value(
+                "sector_half_angle",
+                sector,
+                "1e-3 rad or more, or 0 for one that goes with the contact",
+            ));
+        }
+        if self.surface_roughness > 0.0 && self.cavitation {
+            return Err(Error::value(
+                "cavitation",
+                true,
+                "false with surface_roughness above 0: a film that tears between rough surfaces is not modelled; or surface_roughness = 0",
+            ));
+        }
+        if self.surface_roughness == 0.0 && self.solid_fraction > 0.0 {
+            return Err(Error::value(
+                "solid_fraction",
+                self.solid_fraction,
+                "0 with smooth surfaces; or surface_roughness above 0",
+            ));
         }
         for (name, body) in [("upper", &self.upper), ("lower", &self.lower)] {
             if self.formulation == Formulation::Paper && body.biot_coefficient == 0.0 {

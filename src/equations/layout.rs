@@ -46,8 +46,9 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Numbers the unknowns of one or two layers with the same columns and rows, and of a film that may tear or not.
-    pub fn new(meshes: &[&LayerMesh], tears: bool) -> Self {
+    /// Numbers the unknowns of one or two layers with the same columns and rows, and of a film that may tear or not. With
+    /// `open_ends` the ends of the layers have a pressure of their own, and those of the film too unless it may tear.
+    pub fn new(meshes: &[&LayerMesh], tears: bool, open_ends: bool) -> Self {
         let (columns, rows, levels) = (meshes[0].columns, meshes[0].rows, meshes[0].levels());
         let stations = 2 * columns + 1;
         let nodes = stations * levels;
@@ -59,7 +60,8 @@ impl Layout {
             (quantities.len() - 1) as u32
         };
         let has_pressure = |i: usize, j: usize| {
-            i > 0 && i + 1 < stations && (order == 2 || (i.is_multiple_of(2) && j.is_multiple_of(2)))
+            let inside = i > 0 && i + 1 < stations;
+            (inside || (open_ends && (j > 0 || !tears))) && (order == 2 || (i.is_multiple_of(2) && j.is_multiple_of(2)))
         };
         let mut gap = Vec::new();
         let mut mean = Vec::new();

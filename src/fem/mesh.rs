@@ -1,6 +1,10 @@
 //! Structured meshes of a layer, with everything at the quadrature points that does not change during a simulation.
 
-use super::element::{self, GAUSS, GAUSS_WEIGHTS, NODES, POINTS};
+use std::array::from_fn;
+
+use super::element::{
+    GAUSS, GAUSS_WEIGHTS, NODES, POINTS, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
+};
 
 /// Position of a fraction -1..=1 (or 0..=1) after sinh grading towards 0; strength 0 is uniform.
 pub fn graded(fraction: f64, strength: f64) -> f64 {
@@ -12,6 +16,15 @@ pub fn quadratic_stations(count: usize, end: impl Fn(usize) -> f64) -> Vec<f64> 
     (0..=2 * count).map(|i| if i % 2 == 0 { end(i / 2) } else { 0.5 * (end(i / 2) + end(i / 2 + 1)) }).collect()
 }
 
+/// Derivatives by X and Y from those by the local coordinates s and t, with the Jacobian [dX/ds dX/dt dY/ds dY/dt].
+fn gradients([xs, xt, ys, yt]: [f64; 4], by_s: &[f64; NODES], by_t: &[f64; NODES]) -> [[f64; NODES]; 2] {
+    let determinant = xs * yt - xt * ys;
+    [
+        from_fn(|a| (yt * by_s[a] - ys * by_t[a]) / determinant),
+        from_fn(|a| (-xt * by_s[a] + xs * by_t[a]) / determinant),
+    ]
+}
+
 /// What the weak forms need at one quadrature point.
 #[derive(Debug, Clone, Copy)]
 pub struct Point {
@@ -21,6 +34,17 @@ pub struct Point {
     pub gradients: [[f64; NODES]; 2],
     /// Velocity of the rotating body per unit of surface speed [1].
     pub velocity: [f64; 2],
+}
+
+/// What the weak forms need at one quadrature point of an end of the layer.
+#[derive(Debug, Clone, Copy)]
+pub struct EndPoint {
+    /// Velocity outwards through the end per unit of surface speed, times quadrature weight times length [m].
+    pub outflow: f64,
+    /// d(shape function)/dX and d/dY of the displacement's nodes [1/m].
+    pub gradients: [[f64; NODES]; 2],
+    /// Values of the pressure's shape functions.
+    pub pressure_shape: [f64; NODES],
 }
 
 /// A layer meshed with `columns` x `rows` biquadratic elements.
@@ -39,6 +63,8 @@ pub struct LayerMesh {
     pub pressure_order: i32,
     points: Vec<Point>,
     pressure_gradients: Vec<[[f64; NODES]; 2]>,
+    /// Of the elements of the first and of the last column.
+    ends: [Vec<[EndPoint; 3]>; 2],
     /// Values of the displacement's shape functions at the quadrature points.
     pub shape: [[f64; NODES]; POINTS],
     /// Values of the pressure's shape functions at the quadrature points.
@@ -57,9 +83,8 @@ impl LayerMesh {
         let nodes: Vec<_> =
             (0..=2 * columns).flat_map(|i| (0..levels).map(move |j| (i, j))).map(|(i, j)| position(i, j)).collect();
         let at_points = |f: &dyn Fn(f64, f64) -> [f64; NODES]| -> [[f64; NODES]; POINTS] {
-            std::array::from_fn(|q| f(GAUSS[q % 3], GAUSS[q / 3]))
+            from_fn(|q| f(GAUSS[q % 3], GAUSS[q / 3]))
         };
-        use element::{pressure, pressure_derivative, quadratic, quadratic_derivative, tensor};
         let shape = at_points(&|s, t| tensor(quadratic(s), quadratic(t)));
         let by_s = at_points(&|s, t| tensor(quadratic_derivative(s), quadratic(t)));
         let by_t = at_points(&|s, t| tensor(quadratic(s), quadratic_derivative(t)));
@@ -76,6 +101,7 @@ impl LayerMesh {
             pressure_order,
             points: Vec::with_capacity(columns * rows * POINTS),
             pressure_gradients: Vec::new(),
+            ends: [Vec::new(), Vec::new()],
             shape,
             pressure_shape,
         };
@@ -86,12 +112,7 @@ impl LayerMesh {
                 // Jacobian [dX/ds dX/dt; dY/ds dY/dt]
                 let [xs, xt, ys, yt] = [sum(&by_s[q], 0), sum(&by_t[q], 0), sum(&by_s[q], 1), sum(&by_t[q], 1)];
                 let determinant = xs * yt - xt * ys;
-                let gradients = |s: &[f64; NODES], t: &[f64; NODES]| -> [[f64; NODES]; 2] {
-                    [
-                        std::array::from_fn(|a| (yt * s[a] - ys * t[a]) / determinant),
-                        std::array::from_fn(|a| (-xt * s[a] + xs * t[a]) / determinant),
-                    ]
-                };
+                let gradients = |s, t| gradients([xs, xt, ys, yt], s, t);
                 mesh.points.push(Point {
                     weight: determinant.abs() * GAUSS_WEIGHTS[q % 3] * GAUSS_WEIGHTS[q / 3],
                     gradients: gradients(&by_s[q], &by_t[q]),
@@ -102,7 +123,39 @@ impl LayerMesh {
                 }
             }
         }
+        mesh.ends = [(0, -1.0), (columns - 1, 1.0)].map(|(column, s)| {
+            let element = |row| from_fn(|q| mesh.end_point(column * rows + row, s, q, &velocity));
+            (0..rows).map(element).collect()
+        });
         mesh
+    }
+
+    /// Quadrature point `q` of the edge of an element at its local coordinate `s` = -1 or 1.
+    fn end_point(&self, element: usize, s: f64, q: usize, velocity: &impl Fn([f64; 2]) -> [f64; 2]) -> EndPoint {
+        let t = GAUSS[q];
+        let nodes = self.element_nodes(element).map(|n| self.nodes[n]);
+        let sum = |values: &[f64; NODES], k: usize| -> f64 { (0..NODES).map(|a| values[a] * nodes[a][k]).sum() };
+        let shape = tensor(quadratic(s), quadratic(t));
+        let (by_s, by_t) =
+            (tensor(quadratic_derivative(s), quadratic(t)), tensor(quadratic(s), quadratic_derivative(t)));
+        let jacobian = [sum(&by_s, 0), sum(&by_t, 0), sum(&by_s, 1), sum(&by_t, 1)];
+        let [xs, xt, ys, yt] = jacobian;
+        let v = velocity([sum(&shape, 0), sum(&shape, 1)]);
+        // The outward normal is along the gradient of s, with its sign.
+        let outwards = s * (xs * yt - xt * ys).signum();
+        EndPoint {
+            outflow: GAUSS_WEIGHTS[q] * outwards * (v[0] * yt - v[1] * xt),
+            gradients: gradients(jacobian, &by_s, &by_t),
+            pressure_shape: tensor(pressure(self.pressure_order, s), pressure(self.pressure_order, t)),
+        }
+    }
+
+    /// Quadrature points of those edges of an element that lie on an end of the layer.
+    pub fn end_points(&self, element: usize) -> impl Iterator<Item = &EndPoint> {
+        let (column, row) = (element / self.rows, element % self.rows);
+        let first = (column == 0).then(|| &self.ends[0][row]);
+        let last = (column + 1 == self.columns).then(|| &self.ends[1][row]);
+        first.into_iter().chain(last).flatten()
     }
 
     /// A cartilage layer on the outside of a circle that touches y = 0 at x = 0 from above (`side` = 1) or from below (-1).
@@ -135,7 +188,7 @@ impl LayerMesh {
     /// Node indices of an element.
     pub fn element_nodes(&self, element: usize) -> [usize; NODES] {
         let (column, row) = (element / self.rows, element % self.rows);
-        std::array::from_fn(|a| (2 * column + a % 3) * self.levels() + 2 * row + a / 3)
+        from_fn(|a| (2 * column + a % 3) * self.levels() + 2 * row + a / 3)
     }
 
     /// Geometry at the quadrature points of an element.

@@ -5,6 +5,7 @@ pub mod contact;
 pub mod darcy;
 pub mod film;
 pub mod kinematics;
+pub mod roughness;
 pub mod solid;
 
 /// How permeability answers to strain.

@@ -366,6 +366,17 @@ results! {
     28 newton_iterations: integer, absent, "Newton iterations of the last solution, all its sub-steps together";
     29 cavitated_length: real(Unit::Metre, 1e-3), absent,
         "Length along x over which the film is torn, to half an element; 0 unless cavitation is true";
+    /// h/sigma at the thinnest place; below 3 the surfaces touch.
+    520 film_parameter: real(Unit::One, 1.0), derived, "Least film thickness over surface_roughness; 0 with smooth surfaces";
+    521 real_contact_share: real(Unit::One, 0.1), interpolated(KEPT.never_negative()),
+        "Share of the nominal area that is in real contact, a mean weighted with pressure; 0 with smooth surfaces";
+    522 estimated_load_error: real(Unit::One, 1e-2), absent,
+        "Estimated error of the load by the mesh over the load, from the curvature of the pressures between nodes";
+    523 well_resolved: boolean, absent,
+        "Whether mesh and sector are fine and wide enough for these results; a warning says what is not";
+    524 mesh_columns: integer, absent, "Elements along the surface of these results";
+    525 mesh_rows: integer, absent, "Elements through the thickness of these results";
+    526 mesh_half_width: real(Unit::Metre, 1e-2), absent, "Half the width of the modelled interface of these results";
 
     30 position: position(Unit::Metre, 1e-3), beside, "Place along x from the middle of the contact";
     131 film_thickness: profile(Unit::Metre, 1e-6), interpolated(KEPT.never_negative()), "Film thickness";

@@ -1,6 +1,9 @@
 //! The table of parameters: names, units, ranges and descriptions, and how values are read and set by name.
 
-use super::{Control, Fidelity, Formulation, PRESETS, Parameters, PermeabilityLaw, SolidLaw, TimeIntegration, presets};
+use super::{
+    AsperityLaw, Control, Fidelity, Formulation, MeshDistribution, PRESETS, Parameters, PermeabilityLaw, SolidLaw,
+    TimeIntegration, presets,
+};
 use crate::error::Error;
 use crate::units::Unit;
 
@@ -242,8 +245,8 @@ static BODY_ROWS: [Parameter; 12] = body_rows! {
 };
 
 static COMMON_ROWS: [Parameter; 19] = rows! {
-    446 sector_half_angle: real(Unit::Radian, 1e-3, 0.7, 0.1),
-        "Half the angle of the modelled sector of the body with the smaller radius";
+    446 sector_half_angle: real(Unit::Radian, 0.0, 0.7, 0.1),
+        "Half the angle of the modelled sector of the body with the smaller radius; 0: it goes with the contact";
     447 width: real(Unit::Metre, 1e-6, 1e3, 1.0),
         "Extent of the contact out of the plane: forces are loads per unit depth times this";
     448 viscosity: real(Unit::PascalSecond, 1e-6, 1e3, 1e-3), "Dynamic viscosity of the fluid";
@@ -259,8 +262,10 @@ static COMMON_ROWS: [Parameter; 19] = rows! {
         Formulation::Paper => "paper": "The equations of de Boer et al. (2020) as printed",
         Formulation::Consistent => "consistent": "Total-stress poroelasticity at finite strain, regularised Coulomb friction",
     ), "Which balance laws are solved";
-    456 "mesh.columns" at mesh.columns: integer(8, 2000), "Elements along the articular surface";
-    457 "mesh.rows" at mesh.rows: integer(1, 200), "Elements through the thickness of a layer";
+    456 "mesh.columns" at mesh.columns: integer(0, 2000),
+        "Elements along the articular surface; 0 leaves the number to the program";
+    457 "mesh.rows" at mesh.rows: integer(0, 200),
+        "Elements through the thickness of a layer; 0 leaves the number to the program";
     458 "mesh.column_grading" at mesh.column_grading: real(Unit::One, 0.0, 8.0, 1.0),
         "Strength of the sinh grading of the columns towards the middle of the contact; 0 is uniform";
     459 "mesh.row_grading" at mesh.row_grading: real(Unit::One, 0.0, 8.0, 1.0),
@@ -332,21 +337,52 @@ static CAVITATION_ROWS: [Parameter; 2] = rows! {
 };
 
 static SOLID_ROWS: [Parameter; 10] = body_rows! {
-    [520, 521] solid_law: choice(
+    [540, 541] solid_law: choice(
         SolidLaw::NeoHookean => "neo_hookean": "Neo-Hookean solid",
         SolidLaw::HolmesMow => "holmes_mow": "Exponential solid of Holmes and Mow: it stiffens as it is strained (consistent formulation)",
     ), "Law of the drained solid, whose moduli are those at small strain,";
-    [522, 523] stiffening_coefficient: real(Unit::One, 0.0, 20.0, 1.0),
+    [542, 543] stiffening_coefficient: real(Unit::One, 0.0, 20.0, 1.0),
         "Coefficient of the exponential in the strain energy (solid_law holmes_mow)";
-    [524, 525] fibre_modulus: real(Unit::Pascal, 0.0, 1e10, 1e6),
+    [544, 545] fibre_modulus: real(Unit::Pascal, 0.0, 1e10, 1e6),
         "Modulus of fibres in all directions that only pull, 0 for none (consistent formulation),";
-    [526, 527] fibre_exponent: real(Unit::One, 2.0, 10.0, 1.0), "Exponent of the fibres' strain energy";
-    [528, 529] fibre_exponential_coefficient: real(Unit::One, 0.0, 1e3, 1.0),
+    [546, 547] fibre_exponent: real(Unit::One, 2.0, 10.0, 1.0), "Exponent of the fibres' strain energy";
+    [548, 549] fibre_exponential_coefficient: real(Unit::One, 0.0, 1e3, 1.0),
         "Coefficient of the exponential in the fibres' strain energy, 0 for a power law,";
 };
 
-const PARTS: [&[Parameter]; 7] =
-    [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &PRESET_ROW, &CAVITATION_ROWS, &SOLID_ROWS];
+static JOINT_ROWS: [Parameter; 8] = rows! {
+    500 "mesh.distribution" at mesh_distribution: choice(
+        MeshDistribution::Graded => "graded": "By mesh.column_grading and mesh.row_grading, on a mesh that stays",
+        MeshDistribution::Contact =>
+            "contact": "Dense at the edges of the contact and below the surface; goes with the contact between steady states",
+    ), "Where the nodes of the mesh are";
+    501 surface_roughness: real(Unit::Metre, 0.0, 1e-4, 1e-6),
+        "Combined root mean square roughness of the two surfaces; 0 is smooth, with contact where the film is gone";
+    502 asperity_law: choice(
+        AsperityLaw::Exponential => "exponential": "exp(-h/(c sigma)) of self-affine surfaces (Persson 2007)",
+        AsperityLaw::GreenwoodTripp => "greenwood_tripp": "F_5/2(h/sigma) of Gaussian summits (Greenwood and Tripp 1970)",
+    ), "How the pressure of asperities falls with the distance of rough surfaces";
+    503 asperity_pressure: real(Unit::Pascal, 0.0, 1e9, 1e4),
+        "Pressure of the asperities where the mean planes of rough surfaces meet";
+    504 asperity_decay: real(Unit::One, 1e-2, 10.0, 1.0),
+        "Decay length of the asperities' pressure over surface_roughness (asperity_law exponential)";
+    505 core_pressure: real(Unit::Pascal, 1e3, 1e10, 1e7),
+        "Pressure of the stiff core of rough surfaces where the mean planes meet, on top of asperity_pressure";
+    506 core_decay: real(Unit::One, 1e-2, 10.0, 0.1), "Decay length of the core's pressure over surface_roughness";
+    507 solid_fraction: real(Unit::One, 0.0, 1.0, 0.1),
+        "Share of the fluid's pressure in real contact that boundary friction feels as well (phi of Ateshian; rough surfaces)";
+};
+
+const PARTS: [&[Parameter]; 8] = [
+    &BODY_ROWS,
+    &COMMON_ROWS,
+    &STRAIN_DEPENDENCE_ROWS,
+    &CHOICE_ROWS,
+    &PRESET_ROW,
+    &CAVITATION_ROWS,
+    &JOINT_ROWS,
+    &SOLID_ROWS,
+];
 
 const COUNT: usize = {
     let (mut count, mut part) = (0, 0);

@@ -17,7 +17,8 @@ use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use crate::equations::system::{half_width, surface_speeds};
+use crate::equations::grid::half_width;
+use crate::equations::system::surface_speeds;
 use crate::error::Error;
 use crate::laws::contact::mobilised_friction;
 use crate::outputs::{Derived, Direct, Outputs, RESULTS, STATIONS, profile_stations};
@@ -166,7 +167,7 @@ impl ReducedModel {
     fn new(content: Content) -> Self {
         let logarithmic = positive(&content.grids);
         let patches = content.grids.iter().map(|grid| Patch::new(grid, &content.chart, logarithmic)).collect();
-        let position = profile_stations(half_width(&content.parameters));
+        let position = profile_stations(half_width(&content.parameters, 0.0));
         Self { content, patches, position }
     }
 

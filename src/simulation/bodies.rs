@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::equations::system::{At, Change, Direction, Rates, Residual, System, boundary_friction};
+use crate::equations::grid;
+use crate::equations::system::{At, Direction, Rates, Residual, System, boundary_friction};
 use crate::parameters::{Control, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Singular};
 use crate::solver::newton;
@@ -15,6 +16,8 @@ pub(super) struct Point {
     pub inputs: Inputs,
     /// Whether the lower body is the mirror image of the upper one.
     pub mirrored: bool,
+    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
+    pub contact_half_width: f64,
     pub unknowns: Vec<f64>,
     /// Stations in contact.
     pub active: Vec<bool>,
@@ -63,7 +66,11 @@ impl Tangent {
         }
         *self = Self::default();
         let Place { point, rates } = place;
-        system.factorise(&point.unknowns, &point.active, &point.inputs, rates.as_ref())?;
+        let present = system.contact_half_width();
+        system.fit(point.contact_half_width);
+        let result = system.factorise(&point.unknowns, &point.active, &point.inputs, rates.as_ref());
+        system.fit(present);
+        result?;
         self.place = Some(place.clone());
         Ok(())
     }
@@ -75,10 +82,10 @@ impl Tangent {
             Some(slope) => Ok(slope),
             slot => {
                 let cause = vec![(Direction::UNIT[input], None)];
-                let Change { unknowns, contact_forces, .. } =
-                    system.respond(point.at(rates.as_ref()), cause)?.pop().ok_or(Singular)?;
-                let load = system.load(&unknowns, &contact_forces);
-                Ok(slot.insert(Slope { unknowns, load }))
+                let at = point.at(rates.as_ref());
+                let change = system.respond(at, cause)?.pop().ok_or(Singular)?;
+                let load = system.loads(at, &change).total().eps;
+                Ok(slot.insert(Slope { unknowns: change.unknowns, load }))
             }
         }
     }
@@ -107,7 +114,7 @@ pub(super) struct Bodies {
 impl Bodies {
     pub fn new(parameters: &Parameters) -> Self {
         let equal = parameters.upper == parameters.lower;
-        let system = System::new(parameters, equal);
+        let system = System::new(parameters, equal, grid::contact_half_width(parameters, &Inputs::default()));
         let (mirrored, full) = if equal { (Some(system), None) } else { (None, Some(system)) };
         Self { parameters: *parameters, threads: 1, mirrored, full, tangent: Tangent::default() }
     }
@@ -129,17 +136,32 @@ impl Bodies {
 
     /// Whether boundary friction pulls the two bodies apart sideways.
     pub fn drags(&self, point: &Point) -> bool {
-        point.touches() && boundary_friction(&self.parameters, &point.inputs) != 0.0
+        (point.touches() || self.parameters.surface_roughness > 0.0)
+            && boundary_friction(&self.parameters, &point.inputs) != 0.0
     }
 
+    /// The equations that a point is a solution of, on its mesh.
+    pub fn system_of(&mut self, point: &Point) -> &mut System {
+        let system = self.system(point.mirrored);
+        system.fit(point.contact_half_width);
+        system
+    }
+
+    /// The equations on whatever mesh they had last.
     pub fn system(&mut self, mirrored: bool) -> &mut System {
         self.system_and_tangent(mirrored).0
+    }
+
+    /// What contact the mesh is made for at these inputs.
+    pub fn contact_half_width(&self, inputs: &Inputs) -> f64 {
+        grid::contact_half_width(&self.parameters, inputs)
     }
 
     fn system_and_tangent(&mut self, mirrored: bool) -> (&mut System, &mut Tangent) {
         let slot = if mirrored { &mut self.mirrored } else { &mut self.full };
         let system = slot.get_or_insert_with(|| {
-            let mut system = System::new(&self.parameters, mirrored);
+            let contact = grid::contact_half_width(&self.parameters, &Inputs::default());
+            let mut system = System::new(&self.parameters, mirrored, contact);
             system.set_threads(self.threads);
             system
         });
@@ -157,11 +179,14 @@ impl Bodies {
         let inputs =
             Inputs { penetration_depth: inputs.penetration_depth.min(-CLEARANCE), sliding_speed: 0.0, ..*inputs };
         let mirrored = self.may_mirror(&inputs);
+        let contact_half_width = self.contact_half_width(&inputs);
         let system = self.system(mirrored);
+        system.fit(contact_half_width);
         let stations = system.stations.len();
         Point {
             inputs,
             mirrored,
+            contact_half_width,
             unknowns: system.rest(inputs.penetration_depth),
             active: vec![false; stations],
             contact_forces: vec![0.0; stations],
@@ -170,9 +195,10 @@ impl Bodies {
 
     /// Newton's method from a guess; and the iterations spent. The last factorisation is near the solution, not at it.
     pub fn settle(&mut self, guess: Point, task: &Task<'_>) -> (Result<Point, String>, usize) {
-        let Point { mirrored, mut unknowns, active, inputs, .. } = guess;
+        let Point { mirrored, mut unknowns, active, inputs, contact_half_width, .. } = guess;
         let loaded = task.control == Control::Load;
         let (system, tangent) = self.system_and_tangent(mirrored);
+        system.fit(contact_half_width);
         let depth = if loaded { inputs.penetration_depth } else { task.inputs.penetration_depth };
         let inputs = Inputs { penetration_depth: depth, ..*task.inputs };
         let mut balance = Balance { system, tangent, inputs, task, active, residual: Residual::default() };
@@ -185,7 +211,7 @@ impl Bodies {
                 let contact_forces = balance.contact_forces();
                 let Balance { inputs, active, system, .. } = balance;
                 unknowns.truncate(system.unknowns());
-                (Ok(Point { inputs, mirrored, unknowns, active, contact_forces }), iterations)
+                (Ok(Point { inputs, mirrored, contact_half_width, unknowns, active, contact_forces }), iterations)
             }
         }
     }
@@ -267,7 +293,9 @@ impl Balance<'_> {
     /// depth: below the given one its logarithm is nearer to a straight line.
     fn mismatch(&self, unknowns: &[f64]) -> (f64, f64) {
         const LOGARITHMIC: f64 = 1e-3;
-        let (load, given) = (self.system.load(unknowns, &self.contact_forces()), self.inputs.applied_load);
+        let (active, contact_forces) = (&self.active, &self.contact_forces());
+        let at = At { unknowns, active, contact_forces, inputs: &self.inputs, rates: self.task.rates };
+        let (load, given) = (self.system.load(at), self.inputs.applied_load);
         if load > LOGARITHMIC * given && load < given {
             (given * (load / given).ln(), given / load)
         } else {
@@ -316,6 +344,7 @@ impl newton::Problem for Balance<'_> {
         let point = Point {
             inputs: self.inputs,
             mirrored: self.system.mirrored(),
+            contact_half_width: self.system.contact_half_width(),
             unknowns: unknowns[..self.system.unknowns()].to_vec(),
             active: self.active.clone(),
             contact_forces: self.contact_forces(),

@@ -33,7 +33,7 @@ fn changes(
     let place = Place { point: point.clone(), rates: rates.cloned() };
     bodies.form(&place).map_err(|singular| singular.to_string())?;
     let loaded = bodies.parameters.control == Control::Load;
-    let system = bodies.system(point.mirrored);
+    let system = bodies.system_of(point);
     let loads: Vec<f64> = causes.iter().map(|cause| cause.load).collect();
     let given = |cause: Cause| {
         let depth = if loaded { 0.0 } else { cause.direction.penetration_depth };
@@ -43,9 +43,10 @@ fn changes(
     let mut changes = system.respond(point.at(rates), causes).map_err(|singular| singular.to_string())?;
     if let (true, Some((by_depth, others))) = (loaded, changes.split_last_mut()) {
         // The depth follows so that the load changes as it is told to.
-        let stiffness = system.load(&by_depth.unknowns, &by_depth.contact_forces);
+        let at = point.at(rates);
+        let stiffness = system.loads(at, by_depth).total().eps;
         for (change, load) in others.iter_mut().zip(loads) {
-            let approach = (load - system.load(&change.unknowns, &change.contact_forces)) / stiffness;
+            let approach = (load - system.loads(at, change).total().eps) / stiffness;
             change.inputs.penetration_depth = approach;
             let add = |values: &mut [f64], slope: &[f64]| {
                 values.iter_mut().zip(slope).for_each(|(value, slope)| *value += approach * slope);
@@ -60,7 +61,7 @@ fn changes(
 /// Derivatives of the results, from changes of their solution that end with that by the depth.
 fn results(bodies: &mut Bodies, point: &Point, rates: Option<&Rates>, changes: &[Change]) -> Vec<Outputs> {
     let parameters = bodies.parameters;
-    let solved = Solved { system: bodies.system(point.mirrored), parameters: &parameters, at: point.at(rates) };
+    let solved = Solved { system: bodies.system_of(point), parameters: &parameters, at: point.at(rates) };
     changes.iter().map(|change| solved.derivatives(change)).collect()
 }
 
@@ -72,7 +73,7 @@ pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Derivative
         Cause { direction, load, history }
     };
     let mut outputs = match &state.path {
-        Path::Steady(_) => {
+        Path::Steady(..) => {
             let causes = Input::ALL.iter().map(|input| cause(input, state.duration, None)).collect();
             let changes = changes(bodies, &state.point, None, causes)?;
             results(bodies, &state.point, None, &changes)
@@ -90,7 +91,7 @@ pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Derivative
                 });
                 let causes = causes.collect();
                 let changes = changes(bodies, &stage.point, Some(&stage.rates), causes)?;
-                let system = bodies.system(stage.point.mirrored);
+                let system = bodies.system_of(&stage.point);
                 let contents = changes[..count].iter().map(|change| {
                     let Point { unknowns, inputs, .. } = &stage.point;
                     system.contents_change(unknowns, inputs, &change.unknowns, change.inputs.penetration_depth)
@@ -124,13 +125,13 @@ pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, Str
     let load = state.drive.rates.applied_load;
     let point = &state.point;
     let (changes, rates) = match &state.path {
-        Path::Steady(_) => (changes(bodies, point, None, vec![Cause { direction, load, history: None }])?, None),
+        Path::Steady(..) => (changes(bodies, point, None, vec![Cause { direction, load, history: None }])?, None),
         Path::Transient(motion) => {
             // The rates of what is stored are known, and all other equations hold at all times: the unknowns move as in a step
             // of backward Euler that is too short for flow to matter.
             let step = 1e-3 * shortest(motion);
-            let Point { unknowns, inputs, mirrored, .. } = point;
-            let contents = bodies.system(*mirrored).contents(unknowns, inputs);
+            let Point { unknowns, inputs, .. } = point;
+            let contents = bodies.system_of(point).contents(unknowns, inputs);
             let rates = Rates { rate: 1.0 / step, history: motion.rate.combined(1.0, -1.0 / step, &contents) };
             let history = Some(motion.rate.scaled(-1.0 / step));
             let mut changes = changes(bodies, point, Some(&rates), vec![Cause { direction, load, history }])?;

@@ -13,7 +13,7 @@ use self::derivatives::Derivatives;
 pub use self::drive::Drive;
 use self::steady::{Kept, Steady};
 use self::transient::Motion;
-use crate::equations::system::{Rates, System, half_width};
+use crate::equations::system::{Rates, System};
 use crate::error::Error;
 use crate::fields::{Fields, Solution};
 use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
@@ -57,7 +57,8 @@ struct State {
 /// How a state was reached, for the next one and for derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Path {
-    Steady(Option<Box<Kept>>),
+    /// The reusable tangent, and the state before on another mesh.
+    Steady(Option<Box<Kept>>, Option<Box<Point>>),
     Transient(Box<Motion>),
 }
 
@@ -65,7 +66,7 @@ impl Path {
     /// Rates of change of what is stored, as a difference formula; none of a steady state.
     fn rates(&self) -> Option<Rates> {
         match self {
-            Self::Steady(_) => None,
+            Self::Steady(..) => None,
             Self::Transient(motion) => Some(motion.rates()),
         }
     }
@@ -94,12 +95,14 @@ impl Simulation {
         if parameters.fidelity == Fidelity::Reduced {
             return Err(Error::value("fidelity", "reduced", "full: only an FMU has a reduced model in its resources"));
         }
+        let mut bodies = Bodies::new(parameters);
+        let position = profile_stations(bodies.system(bodies.equal()).half_width());
         Ok(Self {
-            bodies: Bodies::new(parameters),
+            bodies,
             state: None,
             inputs: Inputs::default(),
             outputs: nothing(),
-            position: profile_stations(half_width(parameters)),
+            position,
             derivatives: None,
             rates: None,
         })
@@ -150,7 +153,7 @@ impl Simulation {
         }
         let Some(state) = &self.state else { return Ok(()) };
         let motion = match &state.path {
-            Path::Steady(_) => None,
+            Path::Steady(..) => None,
             Path::Transient(motion) => Some(&**motion),
         };
         let (point, motion, iterations) = transient::advance(&mut self.bodies, &state.point, motion, &drive, duration)?;
@@ -170,13 +173,17 @@ impl Simulation {
         let from = self.state.as_ref().map(|state| Steady {
             point: state.point.clone(),
             kept: match &state.path {
-                Path::Steady(kept) => kept.clone(),
+                Path::Steady(kept, _) => kept.clone(),
+                Path::Transient(_) => None,
+            },
+            before: match &state.path {
+                Path::Steady(_, before) => before.clone(),
                 Path::Transient(_) => None,
             },
         });
         let mut iterations = 0;
-        let Steady { point, kept } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
-        self.accept(State { point, iterations: iterations as i32, drive, duration, path: Path::Steady(kept) });
+        let Steady { point, kept, before } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
+        self.accept(State { point, iterations: iterations as i32, drive, duration, path: Path::Steady(kept, before) });
         Ok(())
     }
 
@@ -184,7 +191,8 @@ impl Simulation {
     fn accept(&mut self, state: State) {
         let parameters = self.bodies.parameters;
         let rates = state.path.rates();
-        let system = self.bodies.system(state.point.mirrored);
+        let system = self.bodies.system_of(&state.point);
+        self.position = profile_stations(system.half_width());
         let solved = Solved { system, parameters: &parameters, at: state.point.at(rates.as_ref()) };
         self.outputs = solved.outputs();
         self.outputs.newton_iterations = state.iterations;
@@ -300,13 +308,16 @@ impl State {
                 && point.contact_forces.len() == stations
         };
         let kept = match &self.path {
-            Path::Steady(kept) => kept.as_ref().map(|kept| &kept.place),
+            Path::Steady(kept, _) => kept.as_ref().map(|kept| &kept.place),
             Path::Transient(motion) => motion.kept.as_ref(),
         };
         fits(&self.point)
             && kept.is_none_or(|place| fits(&place.point))
             && match &self.path {
-                Path::Steady(kept) => kept.as_ref().is_none_or(|kept| kept.fits(unknowns)),
+                Path::Steady(kept, before) => {
+                    kept.as_ref().is_none_or(|kept| kept.fits(unknowns))
+                        && before.as_ref().is_none_or(|point| fits(point))
+                }
                 Path::Transient(motion) => motion.fits(unknowns, (stations - 1) / 2) && fits(&motion.last.start),
             }
     }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::bodies::{Bodies, Foreseen, LONGEST_APPROACH, Place, Point, Task};
+use crate::equations::grid;
 use crate::equations::system::Rates;
 use crate::error::Error;
 use crate::parameters::{Control, Inputs};
@@ -14,6 +15,8 @@ use crate::solver::{continuation, newton};
 pub(super) struct Steady {
     pub point: Point,
     pub kept: Option<Box<Kept>>,
+    /// The state before, where the mesh goes with the contact.
+    pub before: Option<Box<Point>>,
 }
 
 /// Where a tangent was formed, and what it missed in the last step that was predicted with it.
@@ -55,12 +58,17 @@ impl Miss {
 
     /// How many times as far these changes go in the same direction; none if in another.
     fn share(&self, changes: [f64; 3]) -> Option<f64> {
-        const ALIKE: f64 = 0.3;
-        let mut shares = changes.into_iter().zip(self.changes).filter(|(now, then)| *now != 0.0 || *then != 0.0);
-        let share = shares.next().map(|(now, then)| now / then)?;
-        let alike = shares.all(|(now, then)| (now / then - share).abs() <= ALIKE * share.abs());
-        (alike && share.abs() < 3.0).then_some(share)
+        proportion(changes, self.changes)
     }
+}
+
+/// How many times as far as before changes go in the same direction; none if in another, or much further.
+fn proportion(now: [f64; 3], then: [f64; 3]) -> Option<f64> {
+    const ALIKE: f64 = 0.3;
+    let mut shares = now.into_iter().zip(then).filter(|(now, then)| *now != 0.0 || *then != 0.0);
+    let share = shares.next().map(|(now, then)| now / then)?;
+    let alike = shares.all(|(now, then)| (now / then - share).abs() <= ALIKE * share.abs());
+    (alike && share.abs() < 3.0).then_some(share)
 }
 
 /// A guess of a state, from what it was predicted, and how far it may be trusted.
@@ -114,7 +122,16 @@ fn at_depth(
     inputs: &Inputs,
     iterations: &mut usize,
 ) -> Result<Steady, Error> {
-    let from = from.unwrap_or_else(|| rest(bodies, inputs));
+    let from = match from {
+        Some(from) => from,
+        None if grid::moves(&bodies.parameters) => {
+            // Set in motion before they are pressed: a film is there from the start, and the mesh goes along with the contact.
+            let rest = rest(bodies, inputs);
+            let apart = Inputs { penetration_depth: rest.point.inputs.penetration_depth, ..*inputs };
+            travel(bodies, &rest, &apart, iterations)?
+        }
+        None => rest(bodies, inputs),
+    };
     let result = travel(bodies, &from, inputs, iterations);
     if result.is_ok() {
         return result;
@@ -147,7 +164,7 @@ fn under_load(
     }
     if let Some(from) = &from {
         let mut state = from.clone();
-        let arrived = continuation::advance(|to| {
+        let arrived = continuation::advance(1.0, |to| {
             let target = between(&from.point.inputs, inputs, to);
             let (next, spent) = step(bodies, &state, &target, WARM_ITERATIONS, Control::Load);
             *iterations += spent;
@@ -199,11 +216,11 @@ fn under_load(
 
 /// Load per unit depth [N/m].
 pub(super) fn load(bodies: &mut Bodies, point: &Point) -> f64 {
-    bodies.system(point.mirrored).load(&point.unknowns, &point.contact_forces)
+    bodies.system_of(point).load(point.at(None))
 }
 
 fn rest(bodies: &mut Bodies, inputs: &Inputs) -> Steady {
-    Steady { point: bodies.rest(inputs), kept: None }
+    Steady { point: bodies.rest(inputs), kept: None, before: None }
 }
 
 /// Goes from one state to others by steps of the inputs, at the end through time.
@@ -212,12 +229,17 @@ fn travel(bodies: &mut Bodies, from: &Steady, inputs: &Inputs, iterations: &mut 
     let limit = if cold { COLD_ITERATIONS } else { WARM_ITERATIONS };
     let mut rest = (!cold).then(|| rest(bodies, inputs));
     let mut state = from.clone();
-    let result = continuation::advance(|to| {
-        let target = between(&from.point.inputs, inputs, to);
+    let moves = grid::moves(&bodies.parameters);
+    let way = |to: f64| {
+        if moves { along_contact(&from.point.inputs, inputs, to) } else { between(&from.point.inputs, inputs, to) }
+    };
+    let first = if moves { first_step(&from.point.inputs, inputs) } else { 1.0 };
+    let result = continuation::advance(first, |to| {
+        let target = way(to);
         let (mut next, spent) = step(bodies, &state, &target, limit, Control::Depth);
         *iterations += spent;
         let mut reached = to;
-        if let (Err(_), Some(rest)) = (&next, rest.take()) {
+        if let (Err(_), Some(rest)) = (&next, rest.take().filter(|_| !moves)) {
             // Surfaces close more readily than they part: from rest even far targets are often reached at once.
             let (whole, spent) = step(bodies, &rest, inputs, COLD_ITERATIONS, Control::Depth);
             *iterations += spent;
@@ -248,6 +270,15 @@ fn step(
     control: Control,
 ) -> (Result<Steady, String>, usize) {
     let mirrored = from.point.mirrored && bodies.may_mirror(target);
+    let contact = bodies.contact_half_width(target);
+    if contact != from.point.contact_half_width {
+        let guess = carry(bodies, from, target, contact, control);
+        let guess = bodies.converted(guess, mirrored);
+        let kept = from.kept.as_ref().map(|kept| (&kept.place, Foreseen::default()));
+        let (result, spent) = settle(bodies, guess, target, limit, control, kept);
+        let before = Some(Box::new(from.point.clone()));
+        return (result.map(|state| Steady { before, ..state }), spent);
+    }
     let Guess { point, predicted, changes, foreseen } = predict(bodies, from, target, control);
     let guess = bodies.converted(point, mirrored);
     let kept = from.kept.as_ref().map(|kept| &kept.place);
@@ -277,7 +308,7 @@ fn step(
                 kept.place.point = bodies.converted(kept.place.point.clone(), true);
                 kept.miss = None;
             }
-            (Ok(Steady { point: bodies.converted(state.point, true), kept }), spent)
+            (Ok(Steady { point: bodies.converted(state.point, true), kept, before: None }), spent)
         }
         _ => (Ok(state), spent),
     }
@@ -297,7 +328,7 @@ fn settle(
     let task = Task { inputs: target, rates: None, control, settings, kept };
     let (result, spent) = bodies.settle(guess, &task);
     let kept = bodies.place().map(|place| Box::new(Kept { place: place.clone(), miss: None }));
-    (result.map(|point| Steady { point, kept }), spent)
+    (result.map(|point| Steady { point, kept, before: None }), spent)
 }
 
 /// Steady state as the end of a motion in time: squeeze and drainage damp what Newton's method alone would overshoot. The
@@ -305,7 +336,16 @@ fn settle(
 fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, String>, usize) {
     let mirrored = from.mirrored && bodies.may_mirror(target);
     let mut state = bodies.converted(from.clone(), mirrored);
-    let mut before = bodies.system(mirrored).contents(&state.unknowns, &state.inputs);
+    // On the mesh of the target all the way.
+    let contact = bodies.contact_half_width(target);
+    if contact != state.contact_half_width {
+        let system = bodies.system(mirrored);
+        let ratio = system.carry(&mut state.unknowns, state.contact_half_width, contact);
+        let depth = ratio * state.inputs.penetration_depth;
+        system.compress(&mut state.unknowns, from.inputs.penetration_depth - depth);
+        state.contact_half_width = contact;
+    }
+    let mut before = bodies.system_of(&state).contents(&state.unknowns, &state.inputs);
     let approach = (target.penetration_depth - from.inputs.penetration_depth).abs();
     let thickness = bodies.parameters.upper.thickness.min(bodies.parameters.lower.thickness);
     let stride = |step: f64| RELAXING_APPROACH * thickness / approach * (step / 1e-3).min(1.0);
@@ -325,7 +365,7 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
         match result {
             Ok(solved) => {
                 state = solved;
-                before = bodies.system(mirrored).contents(&state.unknowns, &inputs);
+                before = bodies.system_of(&state).contents(&state.unknowns, &inputs);
                 patience -= 1;
                 if patience < 0 {
                     step *= if iterations < 5 { 2.0 } else { 1.2 };
@@ -342,6 +382,34 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
     }
     let (result, iterations) = settle(bodies, state, target, COLD_ITERATIONS, Control::Depth, None);
     (result, spent + iterations)
+}
+
+/// The state at the target inputs on the mesh of another contact: as the last two states go on, node by node; from one state alone by
+/// the proportions of the contact.
+fn carry(bodies: &mut Bodies, from: &Steady, target: &Inputs, contact: f64, control: Control) -> Point {
+    let mut point = Point { contact_half_width: contact, ..from.point.clone() };
+    let share = from.before.as_ref().filter(|before| before.mirrored == point.mirrored).and_then(|before| {
+        let way = changes(&before.inputs, &from.point.inputs, control);
+        let share = proportion(changes(&from.point.inputs, target, control), way)?;
+        (share.abs() <= 2.0).then_some((before, share))
+    });
+    let system = bodies.system(point.mirrored);
+    match share {
+        Some((before, share)) => {
+            point.unknowns.iter_mut().zip(&before.unknowns).for_each(|(now, then)| *now += share * (*now - then));
+            let now = from.point.inputs.penetration_depth;
+            point.inputs.penetration_depth = now + share * (now - before.inputs.penetration_depth);
+            system.keep_films(&mut point.unknowns, &from.point.unknowns);
+        }
+        None => {
+            let ratio = system.carry(&mut point.unknowns, from.point.contact_half_width, contact);
+            point.inputs.penetration_depth *= ratio;
+        }
+    }
+    if control == Control::Depth {
+        system.compress(&mut point.unknowns, target.penetration_depth - point.inputs.penetration_depth);
+    }
+    point
 }
 
 /// The state at the target inputs on the tangent, and beyond that by what the tangent missed in the last step.
@@ -403,6 +471,25 @@ fn along(
         update.iter_mut().zip(&bodies.slope(input)?.unknowns).for_each(|(u, s)| *u -= s * change);
     }
     Ok((update, changes[0]))
+}
+
+/// Depths of contacts grow by the same factor in equal fractions of the way, counted from this much clearance [m].
+const CLEARANCE: f64 = 20e-6;
+
+/// The inputs at a fraction of a way along which the contact grows or shrinks evenly.
+fn along_contact(from: &Inputs, to: &Inputs, fraction: f64) -> Inputs {
+    let depths = [from, to].map(|inputs| inputs.penetration_depth + CLEARANCE);
+    let mut inputs = between(from, to, fraction);
+    if fraction < 1.0 && depths.iter().all(|depth| *depth > 0.0) {
+        inputs.penetration_depth = depths[0] * (depths[1] / depths[0]).powf(fraction) - CLEARANCE;
+    }
+    inputs
+}
+
+/// The first step to try on that way: the depth by a third.
+fn first_step(from: &Inputs, to: &Inputs) -> f64 {
+    let depths = [from, to].map(|inputs| (inputs.penetration_depth + CLEARANCE).max(0.1 * CLEARANCE));
+    (0.3 / (depths[1] / depths[0]).ln().abs()).min(1.0)
 }
 
 /// The inputs at a fraction of the way.

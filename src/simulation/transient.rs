@@ -102,7 +102,7 @@ struct Walker {
 impl Walker {
     fn new(bodies: &mut Bodies, start: &LastStep, kept: Option<Place>) -> Self {
         let point = start.start.clone();
-        let contents = bodies.system(point.mirrored).contents(&point.unknowns, &point.inputs);
+        let contents = bodies.system_of(&point).contents(&point.unknowns, &point.inputs);
         Self { point, contents, trend: start.trend.clone(), kept, iterations: 0 }
     }
 
@@ -135,7 +135,7 @@ impl Walker {
         let parameters = bodies.parameters;
         let later = formula.time - first.map_or(0.0, |first| first.formula.time);
         let mut guess = first.map_or(&self.point, |first| &first.point).clone();
-        let system = bodies.system(guess.mirrored);
+        let system = bodies.system_of(&guess);
         if !self.trend.unknowns.is_empty() {
             let update: Vec<f64> = self.trend.unknowns.iter().map(|rate| -later * rate).collect();
             system.apply(&mut guess.unknowns, &update, &guess.active);
@@ -157,7 +157,7 @@ impl Walker {
         if self.kept.as_ref() != bodies.place() {
             self.kept = bodies.place().cloned();
         }
-        let contents = bodies.system(point.mirrored).contents(&point.unknowns, &point.inputs);
+        let contents = bodies.system_of(&point).contents(&point.unknowns, &point.inputs);
         let rate = rates.of(&contents);
         Ok(Stage { formula, point, rates, rate, contents })
     }
@@ -299,7 +299,7 @@ fn share_of_step(done: f64, most: f64) -> f64 {
 /// By how much the step could have been longer for the error that is allowed; below 1 it was too long.
 fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Contents>) -> Result<f64, String> {
     let allowed = bodies.parameters.relative_tolerance;
-    let system = bodies.system(second.point.mirrored);
+    let system = bodies.system_of(&second.point);
     let size = |error: Contents| {
         let mut update = vec![0.0; system.unknowns()];
         system.add_storage(&second.point.unknowns, &second.point.inputs, &error, &mut update);

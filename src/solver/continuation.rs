@@ -12,13 +12,13 @@ pub struct Stuck<E> {
     pub reason: E,
 }
 
-/// Goes from 0 to 1. `attempt(to)` tries one step: it moves its caller's state and says where to, which may be further than asked,
+/// Goes from 0 to 1, at first by a step of length `first`. `attempt(to)` tries one step: it moves its caller's state and says where to, which may be further than asked,
 /// or leaves it alone and says why.
 ///
 /// # Errors
 /// [`Stuck`] where even the shortest step fails.
-pub fn advance<E>(mut attempt: impl FnMut(f64) -> Result<f64, E>) -> Result<(), Stuck<E>> {
-    let (mut done, mut step) = (0.0, 1.0_f64);
+pub fn advance<E>(first: f64, mut attempt: impl FnMut(f64) -> Result<f64, E>) -> Result<(), Stuck<E>> {
+    let (mut done, mut step) = (0.0, first);
     // After a failure a step has to prove itself twice before a longer one is tried.
     let mut successes = 2;
     while done < 1.0 {
@@ -50,7 +50,7 @@ mod tests {
     #[test]
     fn halves_on_failure_and_doubles_on_success() {
         let (mut steps, mut from) = (Vec::new(), 0.0);
-        let result = advance(|to| {
+        let result = advance(1.0, |to| {
             // Steps longer than 0.3 fail.
             if to - from > 0.3 {
                 return Err("too long");
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn says_how_far_it_came() {
-        let result = advance(|to| if to > 0.6 { Err("wall") } else { Ok(to) });
+        let result = advance(1.0, |to| if to > 0.6 { Err("wall") } else { Ok(to) });
         let stuck = result.unwrap_err();
         assert_eq!(stuck.reason, "wall");
         assert!(stuck.fraction > 0.598 && stuck.fraction <= 0.6);

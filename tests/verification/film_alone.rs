@@ -22,7 +22,7 @@ const U: f64 = 0.2;
 
 /// A film under a parabola on |x| <= `reach` sqrt(2 R h0), uniformly meshed.
 fn parabola(h0: f64, reach: f64, columns: usize, order: i32, sliding_speed: f64) -> Line {
-    let film = Film { viscosity: ETA, fluid_compressibility: 0.0, pressure_order: order, tears: false };
+    let film = Film { viscosity: ETA, fluid_compressibility: 0.0, pressure_order: order, tears: false, rough: None };
     let half = reach * (2.0 * R * h0).sqrt();
     let stations: Vec<f64> = (0..=2 * columns).map(|i| half * (i as f64 / columns as f64 - 1.0)).collect();
     Line::new(film, stations, |x| h0 + x * x / (2.0 * R), sliding_speed)

@@ -28,7 +28,7 @@ pub struct Place {
 
 impl Pair {
     pub fn new(parameters: &Parameters, mirrored: bool) -> Self {
-        let system = System::new(parameters, mirrored);
+        let system = System::new(parameters, mirrored, 0.0);
         let inputs = Inputs { sliding_speed: 0.0, ..Inputs::default() };
         Self {
             unknowns: system.rest(inputs.penetration_depth),

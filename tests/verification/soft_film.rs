@@ -29,7 +29,7 @@ const TABLE: [[f64; 6]; 3] = [
 fn film_elements_on_a_winkler_foundation() {
     let length = (2.0 * R * H0).sqrt();
     let pressure = ETA * U * (2.0 * R).sqrt() / H0.powf(1.5);
-    let film = Film { viscosity: ETA, fluid_compressibility: 0.0, pressure_order: 2, tears: false };
+    let film = Film { viscosity: ETA, fluid_compressibility: 0.0, pressure_order: 2, tears: false, rough: None };
     let stations: Vec<f64> = (0..=8000).map(|i| 40.0 * length * (f64::from(i) / 4000.0 - 1.0)).collect();
     let mut line = Line::new(film, stations, |x| H0 + x * x / (2.0 * R), U);
     for [n, h_star, load, p_max, p_min, h_min] in TABLE {

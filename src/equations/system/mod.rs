@@ -1,22 +1,28 @@
 //! The discrete system: two poroelastic layers, the film between them and their contact, as one set of equations.
 
+mod load;
 mod residual;
 mod tangent;
 mod update;
 
+pub use load::{Loads, chain};
 pub use tangent::{At, Change, Direction};
 
 use serde::{Deserialize, Serialize};
 
+use crate::equations::contact::RoughContact;
 use crate::equations::film::{self, Film, MassRate};
+use crate::equations::film_end::{FilmEnd, Outflow};
+use crate::equations::grid::Grid;
 use crate::equations::layout::{Layout, Quantity};
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
-use crate::fem::mesh::{LayerMesh, graded, quadratic_stations};
+use crate::fem::mesh::LayerMesh;
 use crate::laws::contact::mobilised_friction;
+use crate::laws::roughness::Roughness;
 use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
 use crate::laws::{Formulation, PermeabilityLaw, SolidLaw, darcy};
-use crate::parameters::{Body, Inputs, Mesh, Parameters};
+use crate::parameters::{Body, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
 
 /// One body: its mesh and its material.
@@ -86,6 +92,8 @@ impl Rates {
 pub struct System {
     /// The upper body, and the lower one unless it is the upper one's mirror image.
     pub layers: Vec<Layer>,
+    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
+    contact_half_width: f64,
     /// x of the interface nodes [m].
     pub stations: Vec<f64>,
     /// Simpson weights of the interface nodes [m].
@@ -95,12 +103,14 @@ pub struct System {
     /// The unknowns.
     pub layout: Layout,
     film: Film,
+    /// The film beyond the sector; none where it ends there with p = 0.
+    film_ends: Option<[FilmEnd; 2]>,
     parameters: Parameters,
     contact_stiffness: f64,
     stress_scale: f64,
     thickness: f64,
-    /// Height of the levels above the bone, as a share of the thickness.
-    height: Vec<f64>,
+    /// Height of the levels above the bone, as a share of the thickness, of each body.
+    height: Vec<Vec<f64>>,
     linear: Multifrontal,
 }
 
@@ -124,9 +134,17 @@ fn moves(inputs: &Inputs, rates: Option<&Rates>) -> bool {
     inputs.sliding_speed != 0.0 || rates.is_some()
 }
 
-/// Half the width of the interface [m].
-pub fn half_width(parameters: &Parameters) -> f64 {
-    parameters.upper.outer_radius.min(parameters.lower.outer_radius) * parameters.sector_half_angle.sin()
+/// Roughness of the surfaces; none where they are smooth.
+pub fn roughness(parameters: &Parameters) -> Option<Roughness> {
+    let p = parameters;
+    (p.surface_roughness > 0.0).then_some(Roughness {
+        rms: p.surface_roughness,
+        law: p.asperity_law,
+        asperity_pressure: p.asperity_pressure,
+        asperity_decay: p.asperity_decay,
+        core_pressure: p.core_pressure,
+        core_decay: p.core_decay,
+    })
 }
 
 /// Traction on the upper body's tissue per unit of contact pressure, positive along -x.
@@ -144,19 +162,25 @@ fn boundary_friction_with_slopes(parameters: &Parameters, inputs: &Inputs) -> (f
     (m * p.boundary_friction_coefficient, slopes.map(|s| s * p.boundary_friction_coefficient))
 }
 
-/// Depths of the node levels below the surface of a layer of this thickness [m].
-fn levels_below_surface(mesh: &Mesh, thickness: f64) -> Vec<f64> {
-    quadratic_stations(mesh.rows as usize, |j| thickness * graded(j as f64 / f64::from(mesh.rows), mesh.row_grading))
+/// The body on this side of the film.
+fn body(parameters: &Parameters, side: f64) -> &Body {
+    if side > 0.0 { &parameters.upper } else { &parameters.lower }
+}
+
+fn sector(parameters: &Parameters, side: f64, grid: &Grid) -> LayerMesh {
+    let body = body(parameters, side);
+    let depths: Vec<f64> = grid.depths[usize::from(side < 0.0)].iter().map(|depth| depth * body.thickness).collect();
+    LayerMesh::sector(&grid.stations, &depths, body.outer_radius, side, parameters.pressure_order)
 }
 
 impl Layer {
-    fn new(parameters: &Parameters, body: &Body, side: f64, stations: &[f64]) -> Self {
+    fn new(parameters: &Parameters, side: f64, grid: &Grid) -> Self {
+        let body = body(parameters, side);
         let consistent = parameters.formulation == Formulation::Consistent;
         let alpha = body.biot_coefficient;
         let (isochoric, volumetric) = if consistent { (1.0, 1.0) } else { (alpha, 1.0 - alpha) };
-        let depths = levels_below_surface(&parameters.mesh, body.thickness);
         Self {
-            mesh: LayerMesh::sector(stations, &depths, body.outer_radius, side, parameters.pressure_order),
+            mesh: sector(parameters, side, grid),
             tissue: Tissue {
                 solid: Solid {
                     matrix: match body.solid_law {
@@ -190,44 +214,27 @@ impl Layer {
             side,
         }
     }
-
-    /// Modulus of uniaxial strain [Pa].
-    fn aggregate_modulus(&self) -> f64 {
-        self.tissue.solid.aggregate_modulus()
-    }
 }
 
 impl System {
     /// Meshes and numbers a case. `mirrored` solves for the upper body only and takes the lower one as its mirror image.
-    pub fn new(parameters: &Parameters, mirrored: bool) -> Self {
+    /// The mesh is made for a contact of this half-width, see [`crate::equations::grid::contact_half_width`].
+    pub fn new(parameters: &Parameters, mirrored: bool, contact_half_width: f64) -> Self {
         let p = parameters;
-        let columns = p.mesh.columns as usize;
-        let half_width = half_width(p);
-        let stations = quadratic_stations(columns, |i| {
-            half_width * graded(2.0 * i as f64 / columns as f64 - 1.0, p.mesh.column_grading)
-        });
-        let mut layers = vec![Layer::new(p, &p.upper, 1.0, &stations)];
+        let grid = Grid::new(p, contact_half_width);
+        let mut layers = vec![Layer::new(p, 1.0, &grid)];
         if !mirrored {
-            layers.push(Layer::new(p, &p.lower, -1.0, &stations));
-        }
-        let levels = layers[0].mesh.levels();
-        let height = |layer: &Layer, i: usize| layer.side * layer.mesh.nodes[i * levels][1];
-        let touching_gap = (0..stations.len())
-            .map(|i| height(&layers[0], i) + layers.last().map_or(0.0, |layer| height(layer, i)))
-            .collect();
-        let mut weights = vec![0.0; stations.len()];
-        for column in 0..columns {
-            let length = stations[2 * column + 2] - stations[2 * column];
-            for (a, share) in SIMPSON.into_iter().enumerate() {
-                weights[2 * column + a] += share * length;
-            }
+            layers.push(Layer::new(p, -1.0, &grid));
         }
         let meshes: Vec<_> = layers.iter().map(|layer| &layer.mesh).collect();
-        let layout = Layout::new(&meshes, p.cavitation);
-
-        let modulus = layers.iter().map(Layer::aggregate_modulus).fold(0.0, f64::max);
+        let consistent = p.formulation == Formulation::Consistent;
+        let layout = Layout::new(&meshes, p.cavitation, consistent);
+        let copies = if mirrored { 2.0 } else { 1.0 };
+        let modulus = layers.iter().map(|layer| layer.tissue.solid.aggregate_modulus()).fold(0.0, f64::max);
         let thickness = p.upper.thickness.max(p.lower.thickness);
         let mobility = layers.iter().map(|layer| layer.tissue.mobility).fold(0.0, f64::max);
+        // Both bodies give way to a ripple of pressure.
+        let shear_modulus = 2.0 / layers.iter().map(|layer| copies / layer.tissue.solid.shear_modulus()).sum::<f64>();
         // One micron of displacement goes with this much pressure; rows are scaled to match.
         let (length, pressure) = (1e-6, 1e-6 * modulus / thickness);
         let column_scale = layout.quantities.iter().map(|q| match q {
@@ -242,30 +249,100 @@ impl System {
             Quantity::Displacement | Quantity::Gap => 1.0 / (modulus * length),
         });
         let linear = Multifrontal::new(&layout.cells, &layout.clusters(), row_scale.collect(), column_scale.collect());
-        Self {
+        let heights = |depths: &Vec<f64>| depths.iter().map(|depth| 1.0 - depth).collect();
+        let height = grid.depths.iter().map(heights).collect();
+        let mut system = Self {
             layers,
-            stations,
-            weights,
-            touching_gap,
+            contact_half_width,
+            stations: Vec::new(),
+            weights: Vec::new(),
+            touching_gap: Vec::new(),
             film: Film {
                 viscosity: p.viscosity,
                 fluid_compressibility: p.fluid_compressibility,
                 pressure_order: p.pressure_order,
                 tears: p.cavitation,
+                rough: roughness(p).map(|rough| (rough, shear_modulus)),
             },
+            film_ends: None,
             parameters: *parameters,
             contact_stiffness: modulus / thickness,
             stress_scale: modulus,
             thickness,
-            height: levels_below_surface(&p.mesh, 1.0).into_iter().map(|depth| 1.0 - depth).collect(),
+            height,
             layout,
             linear,
+        };
+        system.take_interface(grid);
+        system
+    }
+
+    /// Takes the mesh along to a contact of this half-width; what was factorised stays as it was.
+    pub fn fit(&mut self, contact_half_width: f64) {
+        if self.contact_half_width != contact_half_width {
+            self.contact_half_width = contact_half_width;
+            let grid = Grid::new(&self.parameters, contact_half_width);
+            for layer in &mut self.layers {
+                layer.mesh = sector(&self.parameters, layer.side, &grid);
+            }
+            self.take_interface(grid);
         }
+    }
+
+    fn take_interface(&mut self, grid: Grid) {
+        let Grid { stations, touching_gap, .. } = grid;
+        self.weights = vec![0.0; stations.len()];
+        for first in (0..stations.len() - 1).step_by(2) {
+            let length = stations[first + 2] - stations[first];
+            for (a, share) in SIMPSON.into_iter().enumerate() {
+                self.weights[first + a] += share * length;
+            }
+        }
+        let p = &self.parameters;
+        if p.formulation == Formulation::Consistent && !p.cavitation {
+            let x = stations[stations.len() - 1];
+            let sum = |f: &dyn Fn(f64) -> f64| f(p.upper.outer_radius) + f(p.lower.outer_radius);
+            // Of a circle: y' = x/R / sqrt(1 - (x/R)^2).
+            let slope = sum(&|radius| (x / radius) / (1.0 - (x / radius).powi(2)).sqrt());
+            let curvature = sum(&|radius| 1.0 / radius);
+            self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, viscosity: p.viscosity }));
+        }
+        (self.stations, self.touching_gap) = (stations, touching_gap);
     }
 
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.layout.unknowns()
+    }
+
+    /// Roughness of the surfaces; none where they are smooth.
+    pub fn roughness(&self) -> Option<&Roughness> {
+        self.film.rough.as_ref().map(|(rough, _)| rough)
+    }
+
+    /// Contact of rough surfaces, which is part of the elements; that of smooth ones is the active set.
+    fn rough_contact(&self, inputs: &Inputs) -> Option<RoughContact> {
+        self.roughness().map(|roughness| RoughContact {
+            roughness: *roughness,
+            friction: self.friction(inputs).0,
+            solid_fraction: self.parameters.solid_fraction,
+        })
+    }
+
+    /// Distances of the surfaces at the nodes of an element of the first row.
+    fn gaps(&self, element: usize, unknowns: &[f64]) -> [f64; 3] {
+        let first = 2 * (element / self.layers[0].mesh.rows);
+        std::array::from_fn(|a| unknowns[self.layout.gap[first + a] as usize])
+    }
+
+    /// Half the width of the interface [m].
+    pub fn half_width(&self) -> f64 {
+        self.stations[self.stations.len() - 1]
+    }
+
+    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
+    pub fn contact_half_width(&self) -> f64 {
+        self.contact_half_width
     }
 
     /// Whether only the upper body is solved for.
@@ -359,6 +436,16 @@ impl System {
         let moves = moves(at.inputs, at.rates);
         let torn = |i: usize| !at.active[i] && self.layout.void[i] != FIXED && self.is_torn(i, at.unknowns, moves);
         (0..self.stations.len()).map(torn).collect()
+    }
+
+    /// What leaves through the ends of the film: station, and flux with its derivatives.
+    fn film_outflows(&self, unknowns: &[f64], sliding_speed: f64) -> impl Iterator<Item = (usize, Outflow)> {
+        let last = self.stations.len() - 1;
+        self.film_ends.iter().flatten().zip([0, last]).map(move |(end, station)| {
+            let gap = unknowns[self.layout.gap[station] as usize];
+            let pressure = self.layout.pressure[0][station * self.layers[0].mesh.levels()];
+            (station, end.outflow(gap, unknowns[pressure as usize], sliding_speed))
+        })
     }
 
     fn film_length(&self, column: usize) -> f64 {

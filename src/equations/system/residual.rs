@@ -1,6 +1,8 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
 use super::{Contents, Rates, Residual, System, boundary_friction_with_slopes, moves, surface_speeds};
+use crate::equations::contact::ContactTerms;
+use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
 use crate::laws::contact::is_active;
 use crate::parameters::Inputs;
@@ -66,25 +68,6 @@ impl System {
         }
     }
 
-    /// Load per unit depth, of fluid and of solid [N/m]. Linear: of changes it is the change.
-    pub fn load(&self, unknowns: &[f64], contact_forces: &[f64]) -> f64 {
-        let levels = self.layers[0].mesh.levels();
-        let pressure = |i: usize| match self.layout.pressure[0][i * levels] {
-            FIXED => 0.0,
-            number => unknowns[number as usize],
-        };
-        let interpolated = |i: usize| match i % 2 == 1 && self.layers[0].mesh.pressure_order == 1 {
-            true => 0.5 * (pressure(i - 1) + pressure(i + 1)),
-            false => pressure(i),
-        };
-        self.weights
-            .iter()
-            .zip(contact_forces)
-            .enumerate()
-            .map(|(i, (weight, force))| weight * interpolated(i) + force)
-            .sum()
-    }
-
     /// Residual of all equations; contact enters by [`Self::apply_contact`].
     pub(super) fn raw_residual(
         &self,
@@ -95,6 +78,7 @@ impl System {
     ) -> Result<(), Inverted> {
         values.fill(0.0);
         let speeds = surface_speeds(inputs);
+        let contact = self.rough_contact(inputs);
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -106,10 +90,21 @@ impl System {
                     let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
                     tissue::surface_pressure(&layer.mesh, element, layer.side, &at, terms);
                 }
+                if let (Some(contact), true) = (&contact, element.is_multiple_of(layer.mesh.rows)) {
+                    let terms = ContactTerms { residual: Some(&mut local), ..ContactTerms::default() };
+                    contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
+                }
+                if layer.tissue.consistent {
+                    let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
+                    inflow::ends(&layer.tissue, &layer.mesh, element, &at, speeds[body], terms);
+                }
                 self.scatter(body, element, &local, values);
             }
         }
         let levels = self.layers[0].mesh.levels();
+        for (station, outflow) in self.film_outflows(unknowns, inputs.sliding_speed) {
+            values[self.layout.pressure[0][station * levels] as usize] += outflow.value / self.copies();
+        }
         for column in 0..self.layers[0].mesh.columns {
             let at = self.film_local(column, unknowns);
             let terms =
@@ -146,7 +141,9 @@ impl System {
         contact_forces.resize(self.stations.len(), 0.0);
         self.raw_residual(unknowns, inputs, rates, values)?;
         let mut changed = false;
-        for (i, active) in active.iter_mut().enumerate() {
+        // Contact of rough surfaces is in the residual already.
+        let smooth = if self.roughness().is_none() { active.len() } else { 0 };
+        for (i, active) in active[..smooth].iter_mut().enumerate() {
             let gap = self.layout.gap[i] as usize;
             contact_forces[i] = self.copies() * values[gap];
             let pressure = if *active { contact_forces[i] / self.weights[i] } else { 0.0 };

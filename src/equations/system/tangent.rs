@@ -1,6 +1,8 @@
 //! The tangent, and what follows from it: updates, and derivatives by the inputs.
 
 use super::{Contents, Rates, System, moves, surface_speeds};
+use crate::equations::contact::ContactTerms;
+use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
 use crate::fem::element::NODES;
 use crate::parameters::Inputs;
@@ -64,6 +66,25 @@ pub struct Change {
     pub contact_forces: Vec<f64>,
 }
 
+impl Change {
+    /// No change of a solution with so many unknowns and stations.
+    pub fn none(unknowns: usize, stations: usize) -> Self {
+        Self {
+            unknowns: vec![0.0; unknowns],
+            inputs: Direction::default(),
+            history: None,
+            contact_forces: vec![0.0; stations],
+        }
+    }
+}
+
+impl At<'_> {
+    /// Distance of the surfaces at a station [m].
+    pub fn gap(&self, system: &System, station: usize) -> f64 {
+        self.unknowns[system.layout.gap[station] as usize]
+    }
+}
+
 impl System {
     /// Factorises on up to this many threads; a single one unless told otherwise. The results are the same bits.
     pub fn set_threads(&mut self, threads: usize) {
@@ -105,6 +126,7 @@ impl System {
         body: usize,
         element: usize,
         at: &Local,
+        unknowns: &[f64],
         inputs: &Inputs,
         rates: Option<&Rates>,
     ) -> [f64; LOCAL * LOCAL] {
@@ -122,6 +144,15 @@ impl System {
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
             tissue::surface_pressure(&layer.mesh, element, layer.side, at, terms);
         }
+        if let (Some(contact), true) = (self.rough_contact(inputs), element.is_multiple_of(layer.mesh.rows)) {
+            let mut by_gap = [[0.0; LOCAL]; 3];
+            let terms = ContactTerms { tangent: Some((&mut tangent, &mut by_gap)), ..ContactTerms::default() };
+            contact.element(&layer.mesh, element, layer.side, at, self.gaps(element, unknowns), terms);
+        }
+        if layer.tissue.consistent {
+            let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
+            inflow::ends(&layer.tissue, &layer.mesh, element, at, surface_speeds(inputs)[body], terms);
+        }
         tangent
     }
 
@@ -133,6 +164,10 @@ impl System {
         let speed = surface_speeds(inputs)[body];
         if layer.tissue.element(&layer.mesh, element, at, speed, &VolumeRate::default(), terms).is_err() {
             by_speed.fill(f64::NAN);
+        }
+        if layer.tissue.consistent {
+            let terms = ElementTerms { residual: None, by_speed: Some(&mut by_speed), tangent: None };
+            inflow::ends(&layer.tissue, &layer.mesh, element, at, speed, terms);
         }
         by_speed
     }
@@ -150,7 +185,7 @@ impl System {
         let (body, element) = self.layout.body_and_element(cell);
         let layer = &self.layers[body];
         let at = self.local(body, element, unknowns, inputs.penetration_depth);
-        let tangent = self.element_tangent(body, element, &at, inputs, rates);
+        let tangent = self.element_tangent(body, element, &at, unknowns, inputs, rates);
         let m = self.layout.cells[cell].len();
         for (column, values) in tangent.chunks_exact(LOCAL).enumerate() {
             matrix[column * m..column * m + LOCAL].copy_from_slice(values);
@@ -169,6 +204,15 @@ impl System {
                 if two_bodies {
                     matrix[(LOCAL + a) * m + i] = value;
                 }
+            }
+        }
+        if let Some(contact) = self.rough_contact(inputs) {
+            let (mut by_local, mut by_gap) = ([0.0; LOCAL * LOCAL], [[0.0; LOCAL]; 3]);
+            let terms = ContactTerms { tangent: Some((&mut by_local, &mut by_gap)), ..ContactTerms::default() };
+            contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
+            for (a, values) in by_gap.iter().enumerate() {
+                let column = &mut matrix[(NODES + a) * m..][..LOCAL];
+                column.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
         }
         // Rows likewise, then friction and the condition of contact.
@@ -202,6 +246,14 @@ impl System {
                         matrix[(m - 3 + b) * m + 2 * NODES + a] += terms.tangent[a][6 + b] / self.copies();
                     }
                 }
+            }
+            let stations = 2 * column..=2 * column + 2;
+            for (station, outflow) in
+                self.film_outflows(unknowns, inputs.sliding_speed).filter(|(i, _)| stations.contains(i))
+            {
+                let a = station - 2 * column;
+                matrix[(NODES + a) * m + 2 * NODES + a] += outflow.by_gap / self.copies();
+                matrix[(2 * NODES + a) * m + 2 * NODES + a] += outflow.by_pressure / self.copies();
             }
         }
         for a in (0..3).filter(|a| self.layout.void[2 * column + a] != FIXED) {
@@ -265,7 +317,7 @@ impl System {
                 let local_change = self.local_change(body, element, change, penetration_depth);
                 let mut local = [0.0; LOCAL];
                 add_product(
-                    &self.element_tangent(body, element, &local_at, at.inputs, None),
+                    &self.element_tangent(body, element, &local_at, at.unknowns, at.inputs, None),
                     &local_change,
                     &mut local,
                 );
@@ -278,7 +330,18 @@ impl System {
 
     /// Change of the load per unit depth along a change of the unknowns alone [N/m].
     pub fn load_along(&self, at: At<'_>, change: &[f64]) -> f64 {
-        self.load(change, &self.contact_force_change(at, change, 0.0))
+        let change = Change {
+            contact_forces: self.contact_force_change(at, change, 0.0),
+            unknowns: change.to_vec(),
+            inputs: Direction::default(),
+            history: None,
+        };
+        self.loads(at, &change).total().eps
+    }
+
+    /// Load per unit depth [N/m].
+    pub fn load(&self, at: At<'_>) -> f64 {
+        self.loads(at, &Change::none(self.unknowns(), self.stations.len())).total().re
     }
 
     /// Adds the derivative of the residual before contact along a change of the inputs.
@@ -286,8 +349,19 @@ impl System {
         let At { unknowns, inputs, rates, .. } = at;
         let speeds = direction.surface_speeds(inputs);
         let none = vec![0.0; self.unknowns()];
+        let (_, slopes) = self.friction(inputs);
+        let friction_change = slopes[0] * speeds[0] + slopes[1] * speeds[1];
+        let contact = self.rough_contact(inputs).filter(|_| friction_change != 0.0);
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
+                // Rubbing surfaces feel both speeds.
+                if let (Some(contact), true) = (&contact, element % layer.mesh.rows == 0) {
+                    let at = self.local(body, element, unknowns, inputs.penetration_depth);
+                    let mut local = [0.0; LOCAL];
+                    let terms = ContactTerms { by_friction: Some(&mut local), ..ContactTerms::default() };
+                    contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
+                    self.scatter(body, element, &local.map(|v| v * friction_change), values);
+                }
                 // Only the row at the bone feels the depth; all rows feel the speed.
                 let at_bone = element % layer.mesh.rows + 1 == layer.mesh.rows && direction.penetration_depth != 0.0;
                 if !at_bone && speeds[body] == 0.0 {
@@ -297,12 +371,20 @@ impl System {
                 let mut local = self.element_by_speed(body, element, &local_at, inputs).map(|v| v * speeds[body]);
                 if at_bone {
                     let change = self.local_change(body, element, &none, direction.penetration_depth);
-                    add_product(&self.element_tangent(body, element, &local_at, inputs, rates), &change, &mut local);
+                    add_product(
+                        &self.element_tangent(body, element, &local_at, unknowns, inputs, rates),
+                        &change,
+                        &mut local,
+                    );
                 }
                 self.scatter(body, element, &local, values);
             }
         }
         let levels = self.layers[0].mesh.levels();
+        for (station, outflow) in self.film_outflows(unknowns, inputs.sliding_speed) {
+            let number = self.layout.pressure[0][station * levels] as usize;
+            values[number] += outflow.by_speed * direction.sliding_speed / self.copies();
+        }
         for column in 0..self.layers[0].mesh.columns {
             let local = self.film_local(column, unknowns);
             let rate = self.mass_rate(rates, column);

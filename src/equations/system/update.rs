@@ -1,6 +1,7 @@
 //! How the unknowns are changed, and how large a change is.
 
 use super::System;
+use crate::equations::grid::Grid;
 use crate::equations::layout::Quantity;
 use crate::solver::linear::FIXED;
 
@@ -10,12 +11,44 @@ const THIN_FILM: f64 = 1e-4;
 impl System {
     /// Compresses the tissue evenly through its thickness by an approach of the bones [m], with the gap as it is.
     pub fn compress(&self, unknowns: &mut [f64], approach: f64) {
-        for (layer, vertical) in self.layers.iter().zip(&self.layout.vertical) {
-            for numbers in vertical.chunks_exact(self.height.len()) {
-                for (number, height) in numbers.iter().zip(&self.height).filter(|(n, _)| **n != FIXED) {
+        for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
+            for numbers in vertical.chunks_exact(heights.len()) {
+                for (number, height) in numbers.iter().zip(heights).filter(|(n, _)| **n != FIXED) {
                     unknowns[*number as usize] -= 0.5 * layer.side * approach * (1.0 - height);
                 }
             }
+        }
+    }
+
+    /// A guess for another contact, from unknowns on the mesh of a contact of half-width `from`: each node keeps what it has, scaled
+    /// as the indentation goes with the square of the half-width. Inside, the film stays about as thick as it was.
+    /// Returns by how much indentations grow.
+    pub fn carry(&self, unknowns: &mut [f64], from: f64, to: f64) -> f64 {
+        /// Distances above this are gaps of bodies apart, below it films [m].
+        const FILM: f64 = 1e-5;
+        let [before, after] = [from, to].map(|a| Grid::new(&self.parameters, a).touching_gap);
+        let ratio = (to / from).powi(2);
+        for (number, quantity) in self.layout.quantities.iter().enumerate() {
+            if *quantity == Quantity::Displacement {
+                unknowns[number] *= ratio;
+            }
+        }
+        for (station, number) in self.layout.gap.iter().enumerate() {
+            let gap = &mut unknowns[*number as usize];
+            if *gap > FILM {
+                // What deformed stays in proportion, and the rest follows the undeformed surfaces.
+                *gap = (after[station] + ratio * (*gap - before[station])).max(FILM);
+            }
+        }
+        ratio
+    }
+
+    /// Keeps a film that was extrapolated from `before` between half and twice what it was.
+    pub fn keep_films(&self, unknowns: &mut [f64], before: &[f64]) {
+        for number in &self.layout.gap {
+            let (gap, before) = (&mut unknowns[*number as usize], before[*number as usize]);
+            let (low, high) = if before > 0.0 { (0.5 * before, 2.0 * before) } else { (2.0 * before, 0.5 * before) };
+            *gap = gap.clamp(low, high);
         }
     }
 
@@ -24,18 +57,20 @@ impl System {
     /// about larger changes. The tissue below follows, less and less towards the bone, so that no element is turned inside out.
     pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
         let thin = THIN_FILM * self.thickness;
+        // The pressure of rough surfaces rises many times over this length.
+        let closing = self.roughness().map_or(f64::INFINITY, |rough| rough.rms);
         let gaps: Vec<f64> = self.layout.gap.iter().map(|number| unknowns[*number as usize]).collect();
         unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
         for (station, before) in gaps.into_iter().enumerate() {
             let gap = &mut unknowns[self.layout.gap[station] as usize];
-            let smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { 0.1 * before };
+            let smallest = if active[station] || before <= thin { before - closing } else { 0.1 * before };
             let limited = gap.min((3.0 * before).max(5.0 * thin)).max(smallest);
             let correction = limited - *gap;
             *gap = limited;
             if correction != 0.0 {
-                for (layer, vertical) in self.layers.iter().zip(&self.layout.vertical) {
-                    let column = &vertical[station * self.height.len()..(station + 1) * self.height.len()];
-                    for (number, height) in column.iter().zip(&self.height).filter(|(n, _)| **n != FIXED) {
+                for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
+                    let column = &vertical[station * heights.len()..(station + 1) * heights.len()];
+                    for (number, height) in column.iter().zip(heights).filter(|(n, _)| **n != FIXED) {
                         unknowns[*number as usize] += 0.5 * layer.side * correction * height;
                     }
                 }

@@ -110,6 +110,11 @@ impl Solid {
         self.tangent(&Strain::new(Matrix2::zeros()))[(3, 3)]
     }
 
+    /// Shear modulus G at small strain, where no fibre pulls [Pa].
+    pub fn shear_modulus(&self) -> f64 {
+        self.tangent(&Strain::new(Matrix2::zeros()))[(1, 1)]
+    }
+
     /// Von Mises stress of the true (Cauchy) effective stress J^-1 P F^T with the out-of-plane stress of plane strain [Pa].
     pub fn von_mises(&self, strain: &Strain) -> f64 {
         let [xx, yy, zz, xy] = self.cauchy(strain);

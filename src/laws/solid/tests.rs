@@ -222,6 +222,7 @@ fn small_strain_is_linear_elasticity_and_keeps_its_digits() {
         }
         // The energy is of second order in the strain: relative to round-off in terms of first order it may lose digits, not vanish.
         assert!(solid.energy(&strain([0.0, 0.0, 0.0, 1e-5])) > 0.0);
+        assert_relative_eq!(solid.shear_modulus(), SHEAR, max_relative = 1e-12);
         assert_relative_eq!(solid.aggregate_modulus(), BULK + 4.0 / 3.0 * SHEAR, max_relative = 1e-12);
     }
 }

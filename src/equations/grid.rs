@@ -1,0 +1,169 @@
+//! Where the nodes are: the extent of the sector, columns along the surface, rows through the thickness.
+//!
+//! A mesh by the gradings that were set stays where it is. One made for the contact goes with it: its columns gather at the edges of the
+//! contact, where film and tissue change within some hundredths of its half-width, and its sector ends where nothing deforms any more.
+
+use crate::fem::mesh::{graded, quadratic_stations};
+use crate::parameters::{Body, Control, Inputs, MeshDistribution, Parameters};
+
+/// Columns and rows of a mesh whose numbers are not set.
+const COLUMNS: i32 = 96;
+const ROWS: i32 = 10;
+
+/// The nodes of a case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// x of the interface nodes [m].
+    pub stations: Vec<f64>,
+    /// Depths of the levels below the surface over the thickness, of the upper and the lower body.
+    pub depths: [Vec<f64>; 2],
+    /// Distance of the undeformed surfaces at first touch, at the interface nodes [m].
+    pub touching_gap: Vec<f64>,
+}
+
+/// Whether the nodes go with the contact.
+pub fn moves(parameters: &Parameters) -> bool {
+    parameters.sector_half_angle == 0.0 || parameters.mesh_distribution == MeshDistribution::Contact
+}
+
+/// Elements along the surface and through the thickness.
+pub fn elements(parameters: &Parameters) -> [i32; 2] {
+    let mesh = &parameters.mesh;
+    [if mesh.columns == 0 { COLUMNS } else { mesh.columns }, if mesh.rows == 0 { ROWS } else { mesh.rows }]
+}
+
+/// Sum of the two curvatures [1/m].
+fn curvature(parameters: &Parameters) -> f64 {
+    1.0 / parameters.upper.outer_radius + 1.0 / parameters.lower.outer_radius
+}
+
+/// Half the width, in the undeformed layers, of the contact that these inputs are expected to make [m]; where the bones are apart, the
+/// width over which the film builds up pressure. 0 where the mesh stays.
+///
+/// By the theory of thin bonded layers (Meijers 1968; Jaffar 1989) for undrained tissue, with the spreading of tissue that is pressed
+/// flat. It says where columns are dense: that need not be exact.
+pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs) -> f64 {
+    if !moves(parameters) {
+        return 0.0;
+    }
+    let curvature = curvature(parameters);
+    let thickness = 0.5 * (parameters.upper.thickness + parameters.lower.thickness);
+    // Films of lubricated cartilage are some micron thick.
+    const FILM: f64 = 3e-6;
+    // delta R/a^2 of the table for Poisson's ratio 1/2, a/t = 1, 2, 4, within 2 %; 1/6 is the limit of a thin layer.
+    let indentation = |a: f64| curvature * a * a * (1.0 / 6.0 + 0.27 * (thickness / a).powf(0.74));
+    let (pressed, apart) = match parameters.control {
+        Control::Depth => {
+            let depth = inputs.penetration_depth;
+            let smooth = depth.hypot(FILM);
+            (root(indentation, 0.5 * (smooth + depth)), (smooth - depth) / curvature)
+        }
+        Control::Load => {
+            // W R/(G a^2) likewise within a tenth up to a/t = 2, and as computed at finite strain up to a/t = 6.
+            let modulus = 2.0 / (1.0 / parameters.upper.shear_modulus + 1.0 / parameters.lower.shear_modulus);
+            let carried = |a: f64| {
+                let ratio = a / thickness;
+                0.5 * curvature * modulus * a * a * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
+            };
+            (root(carried, inputs.applied_load.max(0.0)), 2.0 * FILM / curvature)
+        }
+    };
+    let flattened = 0.5 * indentation(pressed) / thickness;
+    (pressed / (1.0 + 1.08 * flattened)).hypot(apart.sqrt())
+}
+
+/// Where an increasing function of a length, 0 at 0, has this value [m].
+fn root(f: impl Fn(f64) -> f64, value: f64) -> f64 {
+    let (mut low, mut high) = (1e-9_f64, 1.0_f64);
+    for _ in 0..60 {
+        let middle = (low * high).sqrt();
+        if f(middle) < value { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Half the width of the interface for a contact of this half-width [m].
+pub fn half_width(parameters: &Parameters, contact: f64) -> f64 {
+    /// Beyond the contact, in its half-widths and in thicknesses.
+    const BEYOND: [f64; 2] = [1.0, 6.0];
+    let radius = parameters.upper.outer_radius.min(parameters.lower.outer_radius);
+    if parameters.sector_half_angle > 0.0 {
+        return radius * parameters.sector_half_angle.sin();
+    }
+    let thickness = parameters.upper.thickness.max(parameters.lower.thickness);
+    (contact * (1.0 + BEYOND[0]) + BEYOND[1] * thickness).min(LARGEST_ANGLE.sin() * radius)
+}
+
+/// Half the angle of the widest sector [rad].
+const LARGEST_ANGLE: f64 = 0.7;
+
+/// Ends of `columns` elements between -half_width and half_width, dense at the edges of the contact.
+fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
+    /// Share of the columns at the two edges, and the width of these clusters over the contact's half-width; share of those spread
+    /// over the contact and around it. The rest is uniform.
+    const EDGES: (f64, f64) = (0.4, 0.04);
+    const CONTACT: (f64, f64) = (0.4, 0.8);
+    let edge = |x: f64| ((x - contact) / (EDGES.1 * contact)).atan() + ((x + contact) / (EDGES.1 * contact)).atan();
+    let around = |x: f64| (x / (CONTACT.1 * contact)).atan();
+    let share = |x: f64| {
+        EDGES.0 * edge(x) / edge(half_width)
+            + CONTACT.0 * around(x) / around(half_width)
+            + (1.0 - EDGES.0 - CONTACT.0) * x / half_width
+    };
+    let end = |i: usize| {
+        let wanted = 2.0 * i as f64 / columns as f64 - 1.0;
+        let (mut low, mut high) = (-half_width, half_width);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if share(middle) < wanted { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    };
+    // Symmetric to the last bit.
+    let right: Vec<f64> = (0..=columns / 2).map(|i| if 2 * i == columns { 0.0 } else { -end(i) }).collect();
+    (0..=columns).map(|i| if 2 * i <= columns { -right[i] } else { right[columns - i] }).collect()
+}
+
+/// Thickness of the layer below the surface within which fluid flows while the tissue passes the contact, sqrt(k M l/v), over that of
+/// the whole layer; l = three thicknesses, v = 0.1 m/s.
+fn surface_layer(parameters: &Parameters, body: &Body) -> f64 {
+    let modulus = body.bulk_modulus + 4.0 / 3.0 * body.shear_modulus;
+    let consolidation = body.permeability / parameters.viscosity * modulus;
+    (consolidation * 3.0 / (0.1 * body.thickness)).sqrt()
+}
+
+/// Grading of the rows so that the first one is a third of the surface layer.
+fn row_grading(parameters: &Parameters, body: &Body, rows: i32) -> f64 {
+    let wanted = (surface_layer(parameters, body) / 3.0).max(5e-4);
+    let (mut low, mut high) = (1.0, 9.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if graded(1.0 / f64::from(rows), middle) > wanted { low = middle } else { high = middle }
+    }
+    low
+}
+
+impl Grid {
+    /// The nodes for a contact of this half-width, see [`contact_half_width`].
+    pub fn new(parameters: &Parameters, contact: f64) -> Self {
+        let p = parameters;
+        let half_width = half_width(p, contact);
+        let [columns, rows] = elements(p);
+        let by_contact = p.mesh_distribution == MeshDistribution::Contact;
+        let count = columns as usize;
+        let stations = if by_contact {
+            let ends = column_ends(count, half_width, contact.min(0.9 * half_width));
+            quadratic_stations(count, |i| ends[i])
+        } else {
+            let fraction = |i: usize| 2.0 * i as f64 / f64::from(columns) - 1.0;
+            quadratic_stations(count, |i| half_width * graded(fraction(i), p.mesh.column_grading))
+        };
+        let depths = [&p.upper, &p.lower].map(|body| {
+            let grading = if by_contact { row_grading(p, body, rows) } else { p.mesh.row_grading };
+            quadratic_stations(rows as usize, |j| graded(j as f64 / f64::from(rows), grading))
+        });
+        let height = |radius: f64, x: f64| x * x / radius / (1.0 + (1.0 - (x / radius).powi(2)).sqrt());
+        let touching = |x: &f64| height(p.upper.outer_radius, *x) + height(p.lower.outer_radius, *x);
+        Self { touching_gap: stations.iter().map(touching).collect(), stations, depths }
+    }
+}
