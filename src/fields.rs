@@ -9,7 +9,7 @@ use crate::fem::element::{
 };
 use crate::laws::darcy::conductance;
 use crate::laws::film::reynolds_flux;
-use crate::laws::neo_hookean::Strain;
+use crate::laws::kinematics::Strain;
 use crate::parameters::{Inputs, Parameters};
 use crate::solver::linear::FIXED;
 

@@ -8,7 +8,7 @@
 //! ```text
 //! solid     Div P = alpha grad p,  P = dW/dF            paper: as printed
 //!           Div (P - alpha p J F^-T) = 0                consistent: total stress
-//! W         G/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2       weighted by alpha and 1 - alpha in the paper
+//! W         G/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2       weighted by alpha and 1 - alpha in the paper; or Holmes and Mow's
 //! pore flow div(rho q) + alpha rho (dJ/dt + v . grad J) = 0,  q = -(kappa/eta) grad p
 //! film      d(rho h)/dt + d/dx [rho (-h^3/(12 eta) dp/dx + U h/2)] = rho (q1.n1 + q2.n2)
 //! contact   h >= 0,  p_c >= 0,  p_c h = 0,  and boundary friction mu_s p_c
@@ -43,7 +43,7 @@
 //!                ::advance                      or in time (solver::runge_kutta)
 //!     -> solver::newton::solve                      on equations::system::System, with the active set of contact
 //!       -> equations::{tissue, film}                weak forms: residual and tangent of an element
-//!         -> laws::{neo_hookean, darcy, film, contact}   formulas and their derivatives at a point
+//!         -> laws::{solid, darcy, film, contact}         formulas and their derivatives at a point
 //!       -> solver::linear::Multifrontal             eliminates
 //!   -> outputs::Outputs                             and its derivatives by the inputs
 //!   -> variables::VARIABLES                         names, units and references: command line, CSV, fmi

@@ -8,7 +8,7 @@ mod table;
 
 use crate::error::Error;
 pub use crate::laws::roughness::AsperityLaw;
-pub use crate::laws::{Formulation, PermeabilityLaw};
+pub use crate::laws::{Formulation, PermeabilityLaw, SolidLaw};
 pub use presets::{PRESETS, Preset, PresetRow, Tissue};
 pub use table::{Kind, PARAMETERS, Parameter, Value, find};
 
@@ -33,6 +33,16 @@ pub struct Body {
     pub permeability_exponent: f64,
     /// Coefficient of the exponential in the permeability [1].
     pub permeability_strain_coefficient: f64,
+    /// How the drained solid answers to strain; both moduli are those at small strain.
+    pub solid_law: SolidLaw,
+    /// Coefficient of the exponential in the strain energy [1] ([`SolidLaw::HolmesMow`] only).
+    pub stiffening_coefficient: f64,
+    /// Modulus of the fibres that only pull [Pa]; 0: there are none.
+    pub fibre_modulus: f64,
+    /// Exponent of their strain energy [1].
+    pub fibre_exponent: f64,
+    /// Coefficient of the exponential in it [1]; 0: a power law.
+    pub fibre_exponential_coefficient: f64,
 }
 
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
@@ -178,6 +188,12 @@ impl Default for Parameters {
             permeability_exponent: 2.0,
             // With the other two the slope at small strain of the fit quoted from Holmes and Mow, M = 4.638 and L = 0.0848: 4.7.
             permeability_strain_coefficient: 2.2,
+            solid_law: SolidLaw::NeoHookean,
+            // Quoted for cartilage of calves: Ateshian et al., Journal of Biomechanics 30 (11/12), 1157-1164, 1997.
+            stiffening_coefficient: 0.35,
+            fibre_modulus: 0.0,
+            fibre_exponent: 2.0,
+            fibre_exponential_coefficient: 0.0,
         };
         Self {
             upper: body,
@@ -325,6 +341,33 @@ impl Parameters {
                     "above 0 in the paper's formulation, which weighs the shear modulus with it; or formulation = \"consistent\"",
                 ));
             }
+            if body.solid_law == SolidLaw::HolmesMow {
+                if self.formulation == Formulation::Paper {
+                    return Err(Error::value(
+                        &format!("{name}.solid_law"),
+                        "holmes_mow",
+                        "\"neo_hookean\" in the paper's formulation, which weighs the two terms of that law; or formulation = \"consistent\"",
+                    ));
+                }
+                if body.bulk_modulus < 2.0 / 3.0 * body.shear_modulus {
+                    return Err(Error::value(
+                        &format!("{name}.bulk_modulus"),
+                        body.bulk_modulus,
+                        format!(
+                            "2/3 of {name}.shear_modulus or more, {}, with solid_law holmes_mow, which would not be stable with a \
+                             negative Poisson's ratio; or solid_law = \"neo_hookean\"",
+                            2.0 / 3.0 * body.shear_modulus
+                        ),
+                    ));
+                }
+            }
+            if self.formulation == Formulation::Paper && body.fibre_modulus > 0.0 {
+                return Err(Error::value(
+                    &format!("{name}.fibre_modulus"),
+                    body.fibre_modulus,
+                    "0 in the paper's formulation, whose equations have no fibres; or formulation = \"consistent\"",
+                ));
+            }
             if body.thickness >= 0.5 * body.outer_radius {
                 return Err(Error::value(
                     &format!("{name}.thickness"),
@@ -334,5 +377,31 @@ impl Parameters {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_paper_s_formulation_has_the_paper_s_solid() {
+        let paper = Parameters::default();
+        for (name, change) in [
+            ("lower.solid_law", (|body| body.solid_law = SolidLaw::HolmesMow) as fn(&mut Body)),
+            ("lower.fibre_modulus", |body| body.fibre_modulus = 1e6),
+        ] {
+            let mut changed = paper;
+            change(&mut changed.lower);
+            let refusal = changed.validate().unwrap_err().to_string();
+            assert!(refusal.starts_with(name) && refusal.contains("consistent"), "{refusal}");
+            changed.formulation = Formulation::Consistent;
+            assert!(changed.validate().is_ok());
+        }
+        let mut auxetic = Parameters { formulation: Formulation::Consistent, ..paper };
+        auxetic.upper.bulk_modulus = 0.6 * auxetic.upper.shear_modulus;
+        assert!(auxetic.validate().is_ok());
+        auxetic.upper.solid_law = SolidLaw::HolmesMow;
+        assert!(auxetic.validate().unwrap_err().to_string().starts_with("upper.bulk_modulus"));
     }
 }

@@ -11,7 +11,7 @@
 use crate::equations::tissue::{ElementTerms, LOCAL, Local, Tissue};
 use crate::fem::element::NODES;
 use crate::fem::mesh::LayerMesh;
-use crate::laws::neo_hookean::Strain;
+use crate::laws::kinematics::Strain;
 use nalgebra::Matrix2;
 
 /// Adds the terms of those edges of an element that lie on an end of the layer, at a surface speed [m/s].

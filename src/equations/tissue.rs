@@ -9,27 +9,25 @@
 //!
 //! U_i v_rot is the rigid rotation of the body with surface speed U_i; the convective term v . grad J is integrated by parts, so
 //! that no second derivatives of the displacement appear (its density-gradient part, of order chi p = 1e-5, is dropped).
+//!
+//! [`Tissue::integrand`] is what stands under the integrals, [`Tissue::integrand_derivatives`] its derivatives.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 use pulp::{Simd, WithSimd};
 
+use crate::fem::assembly::{ElementFields, Integrand, IntegrandDerivatives, ResidualSum, TangentFactors};
+pub use crate::fem::assembly::{LOCAL, Local};
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
-use crate::fem::products::{Block, Padded, add_products, padded};
 use crate::laws::darcy::{HolmesMow, conductance, conductance_derivative};
-use crate::laws::neo_hookean::{COFACTOR_DERIVATIVE, NeoHookean, Strain, flatten};
-
-/// Local unknowns of an element: nine horizontal displacements, nine vertical ones, nine pressures.
-pub const LOCAL: usize = 3 * NODES;
-
-/// Values or residuals over the local unknowns.
-pub type Local = [f64; LOCAL];
+use crate::laws::kinematics::{COFACTOR_DERIVATIVE, Strain, flatten};
+use crate::laws::solid::Solid;
 
 /// The material of one body and the balance laws it obeys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tissue {
     /// Drained solid, moduli weighted as the formulation says.
-    pub solid: NeoHookean,
+    pub solid: Solid,
     /// Biot-Willis coefficient alpha [1].
     pub biot_coefficient: f64,
     /// Hydraulic permeability kappa/eta of the undeformed tissue [m^4/(N s)].
@@ -51,65 +49,6 @@ pub struct VolumeRate {
     pub history: [f64; POINTS],
 }
 
-/// The tangent before summation over the quadrature points: test functions, and what is multiplied with them.
-///
-/// Rows of the tables: both derivatives of the test functions at one point after the other, then (fluid only) the test functions.
-struct Factors {
-    gradients: [Padded; 2 * POINTS],
-    shapes: [Padded; POINTS],
-    pressures: [Padded; 3 * POINTS],
-    /// Stress by the fields, for each component of the force balance.
-    stress: [[[Padded; 2 * POINTS]; 3]; 2],
-    /// Force of the pressure on the tissue by the pressures, likewise.
-    force: [[Padded; POINTS]; 2],
-    /// Flow and storage by the fields.
-    fluid: [[Padded; 3 * POINTS]; 3],
-}
-
-impl Factors {
-    const NONE: Self = {
-        let none = [0.0; 12];
-        Self {
-            gradients: [none; 2 * POINTS],
-            shapes: [none; POINTS],
-            pressures: [none; 3 * POINTS],
-            stress: [[[none; 2 * POINTS]; 3]; 2],
-            force: [[none; POINTS]; 2],
-            fluid: [[none; 3 * POINTS]; 3],
-        }
-    };
-
-    /// The test functions at a point.
-    fn test(&mut self, q: usize, gradients: [&Padded; 2], shape: &Padded, pressure: [&Padded; 2], value: &Padded) {
-        for k in 0..2 {
-            self.gradients[2 * q + k] = *gradients[k];
-            self.pressures[2 * q + k] = *pressure[k];
-        }
-        self.shapes[q] = *shape;
-        self.pressures[2 * POINTS + q] = *value;
-    }
-
-    /// Adds the sums over all points.
-    fn multiply(&self, tangent: &mut [f64; LOCAL * LOCAL], consistent: bool, storage: bool) {
-        let fluid = if storage { 3 * POINTS } else { 2 * POINTS };
-        let blocks: [Block<'_>; 9] = std::array::from_fn(|index| {
-            let (row, column) = (index / 3, index % 3);
-            let (tests, factors) = match (row, column) {
-                (2, _) => (&self.pressures[..fluid], &self.fluid[column][..fluid]),
-                (_, 2) if !consistent => (&self.shapes[..], &self.force[row][..]),
-                _ => (&self.gradients[..], &self.stress[row][column][..]),
-            };
-            Block { tests, factors, at: [row * NODES, column * NODES] }
-        });
-        add_products(&blocks, tangent, LOCAL);
-    }
-}
-
-/// a * x + b * y
-fn combined(a: f64, x: &Padded, b: f64, y: &Padded) -> Padded {
-    std::array::from_fn(|i| a * x[i] + b * y[i])
-}
-
 /// The element has turned inside out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("an element of the tissue is turned inside out")]
@@ -125,25 +64,21 @@ pub struct ElementTerms<'a> {
     pub tangent: Option<&'a mut [f64; LOCAL * LOCAL]>,
 }
 
-/// An element with all that its terms depend on.
-struct Element<'a, 'b> {
-    tissue: &'a Tissue,
-    mesh: &'a LayerMesh,
-    element: usize,
-    at: &'a Local,
+/// State of the tissue at a quadrature point.
+struct State {
+    strain: Strain,
+    /// p [Pa].
+    pressure: f64,
+    /// grad p [Pa/m].
+    pressure_gradient: Vector2<f64>,
+    /// Rigid rotation of the body per surface speed, v_rot [1].
+    rotation: Vector2<f64>,
+    /// Surface speed U_i [m/s].
     speed: f64,
-    volume_rate: &'a VolumeRate,
-    terms: ElementTerms<'b>,
-}
-
-/// Compiled once for each kind of processor.
-impl WithSimd for Element<'_, '_> {
-    type Output = Result<(), Inverted>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.tissue.add_element(self)
-    }
+    /// dJ/dt [1/s].
+    volume_rate: f64,
+    /// Its derivative by J [1/s].
+    volume_rate_by_volume: f64,
 }
 
 impl Tissue {
@@ -154,10 +89,82 @@ impl Tissue {
         (self.mobility * relative, self.mobility * slope)
     }
 
+    /// r = rho/rho0 = exp(chi p)
+    fn density(&self, state: &State) -> f64 {
+        (self.fluid_compressibility * state.pressure).exp()
+    }
+
+    /// K grad p: what seeps through the pores, against its direction [m/s].
+    fn seepage(&self, state: &State) -> Vector2<f64> {
+        conductance(self.mobility_at(&state.strain).0, &state.strain, self.consistent) * state.pressure_gradient
+    }
+
+    /// -alpha (J - 1) v_rot: what the rotation carries, per surface speed [1].
+    fn convection(&self, state: &State) -> Vector2<f64> {
+        state.rotation * (-self.biot_coefficient * state.strain.volume_change)
+    }
+
+    /// The weak form at a quadrature point.
+    #[inline(always)]
+    fn integrand(&self, state: &State) -> Integrand {
+        let (alpha, density) = (self.biot_coefficient, self.density(state));
+        let effective = self.solid.stress(&state.strain);
+        let (stress, force) = match self.consistent {
+            true => (effective - state.strain.cofactor * (alpha * state.pressure), Vector2::zeros()),
+            false => (effective, state.pressure_gradient * alpha),
+        };
+        Integrand {
+            stress,
+            force,
+            flow: (self.seepage(state) + self.convection(state) * state.speed) * density,
+            storage: density * alpha * state.volume_rate,
+        }
+    }
+
+    /// Its derivative by the surface speed.
+    #[inline(always)]
+    fn integrand_by_speed(&self, state: &State) -> Integrand {
+        Integrand { flow: self.convection(state) * self.density(state), ..Integrand::default() }
+    }
+
+    /// Its derivatives by strain, p and grad p.
+    #[inline(always)]
+    fn integrand_derivatives(&self, state: &State) -> IntegrandDerivatives {
+        let State { strain, pressure, pressure_gradient, rotation, speed, .. } = state;
+        let (alpha, chi, density) = (self.biot_coefficient, self.fluid_compressibility, self.density(state));
+        let (mobility, mobility_by_volume) = self.mobility_at(strain);
+        let conductance = conductance(mobility, strain, self.consistent);
+        let seepage = conductance * pressure_gradient;
+        let cofactor = flatten(&strain.cofactor);
+
+        let mut stress_by_strain = self.solid.tangent(strain);
+        let mut stress_by_pressure = Vector4::zeros();
+        let mut flow_by_volume = rotation * (-alpha * speed);
+        if self.strain_dependence.is_some() {
+            flow_by_volume += seepage * (mobility_by_volume / mobility);
+        }
+        let mut flow_by_strain = flow_by_volume * cofactor.transpose();
+        if self.consistent {
+            stress_by_strain -= Matrix4::from_fn(|row, column| alpha * pressure * COFACTOR_DERIVATIVE[row][column]);
+            stress_by_pressure = cofactor * -alpha;
+            flow_by_strain += conductance_derivative(mobility, strain, pressure_gradient);
+        }
+        IntegrandDerivatives {
+            stress_by_strain,
+            stress_by_pressure,
+            force_by_pressure_gradient: if self.consistent { 0.0 } else { alpha },
+            flow_by_strain: flow_by_strain * density,
+            flow_by_pressure: (seepage + self.convection(state) * *speed) * (density * chi),
+            flow_by_pressure_gradient: conductance * density,
+            storage_by_strain: cofactor * (density * alpha * state.volume_rate_by_volume),
+            storage_by_pressure: density * alpha * state.volume_rate * chi,
+        }
+    }
+
     /// Adds the terms of one element at local values `at`, moving with `speed` [m/s].
     ///
     /// # Errors
-    /// [`Inverted`] where J <= 0 at a quadrature point.
+    /// [`Inverted`] where J <= 0 at a quadrature point of what is asked for.
     pub fn element(
         &self,
         mesh: &LayerMesh,
@@ -167,143 +174,17 @@ impl Tissue {
         volume_rate: &VolumeRate,
         terms: ElementTerms<'_>,
     ) -> Result<(), Inverted> {
-        let asked = Element { tissue: self, mesh, element, at, speed, volume_rate, terms };
-        match asked.terms.tangent {
-            // Most of its work is in products, which have their own; and valgrind does not know all that would come of this.
-            Some(_) => self.add_element(asked),
-            None => pulp::Arch::new().dispatch(asked),
-        }
-    }
-
-    #[inline(always)]
-    fn add_element(&self, asked: Element<'_, '_>) -> Result<(), Inverted> {
-        let Element { mesh, element, at, speed, volume_rate, mut terms, .. } = asked;
-        let alpha = self.biot_coefficient;
-        let fields: [Fields; NODES] = std::array::from_fn(|a| [at[a], at[NODES + a], at[2 * NODES + a], 0.0]);
-        let mut residuals = [[0.0; 4]; NODES];
-        // Made in place, and only where it is needed: it is large.
-        let mut room;
-        let mut factors = match terms.tangent {
-            Some(_) => {
-                room = Factors::NONE;
-                Some(&mut room)
-            }
-            None => None,
-        };
-        for (q, point) in mesh.points(element).iter().enumerate() {
-            let [gx, gy] = &point.gradients;
-            let [px, py] = mesh.pressure_gradients(element, q);
-            let (shape, pressure_shape) = (&mesh.shape[q], &mesh.pressure_shape[q]);
-            let [by_x, by_y] = [gx, gy].map(|gradient| sum(gradient, &fields));
-            let strain = Strain::new(Matrix2::new(by_x[0], by_y[0], by_x[1], by_y[1]));
-            let pressure = sum(pressure_shape, &fields)[2];
-            let pressure_gradient = if mesh.pressure_order == 2 {
-                Vector2::new(by_x[2], by_y[2])
-            } else {
-                Vector2::new(sum(px, &fields)[2], sum(py, &fields)[2])
-            };
-            if strain.volume_ratio() <= 0.0 || !strain.volume_change.is_finite() {
-                return Err(Inverted);
-            }
-            let density = (self.fluid_compressibility * pressure).exp();
-            let rotation = Vector2::from(point.velocity);
-            let (mobility, mobility_by_volume) = self.mobility_at(&strain);
-            let conductance = conductance(mobility, &strain, self.consistent);
-            let convected = rotation * (-alpha * strain.volume_change);
-            let seepage = conductance * pressure_gradient;
-            let flow = seepage + convected * speed;
-            let volume_change_rate = volume_rate.rate * strain.volume_ratio() + volume_rate.history[q];
-            let weight = point.weight;
-
-            if terms.residual.is_some() {
-                let mut stress = self.solid.stress(&strain);
-                let mut force = pressure_gradient * alpha;
-                if self.consistent {
-                    stress -= strain.cofactor * (alpha * pressure);
-                    force = Vector2::zeros();
-                }
-                let fluid = density * alpha * volume_change_rate;
-                let flow = flow * density;
-                let weighted = |values: [f64; 3]| [weight * values[0], weight * values[1], weight * values[2], 0.0];
-                if mesh.pressure_order == 2 {
-                    add_outer(&mut residuals, gx, &weighted([stress.m11, stress.m21, flow.x]));
-                    add_outer(&mut residuals, gy, &weighted([stress.m12, stress.m22, flow.y]));
-                } else {
-                    add_outer(&mut residuals, gx, &weighted([stress.m11, stress.m21, 0.0]));
-                    add_outer(&mut residuals, gy, &weighted([stress.m12, stress.m22, 0.0]));
-                    add_outer(&mut residuals, px, &weighted([0.0, 0.0, flow.x]));
-                    add_outer(&mut residuals, py, &weighted([0.0, 0.0, flow.y]));
-                }
-                if !self.consistent {
-                    add_outer(&mut residuals, shape, &weighted([force.x, force.y, 0.0]));
-                }
-                if fluid != 0.0 {
-                    add_outer(&mut residuals, pressure_shape, &weighted([0.0, 0.0, fluid]));
-                }
-            }
-            if let Some(by_speed) = &mut terms.by_speed {
-                for a in 0..NODES {
-                    by_speed[2 * NODES + a] += weight * density * (convected.x * px[a] + convected.y * py[a]);
-                }
-            }
-            if let Some(factors) = &mut factors {
-                let mut stress_by_strain = self.solid.tangent(&strain);
-                let cofactor = flatten(&strain.cofactor);
-                let mut flow_by_strain = Vector2::new(rotation.x, rotation.y) * cofactor.transpose() * (-alpha * speed);
-                if self.consistent {
-                    for row in 0..4 {
-                        for column in 0..4 {
-                            stress_by_strain[(row, column)] -= alpha * pressure * COFACTOR_DERIVATIVE[row][column];
-                        }
-                    }
-                    flow_by_strain += conductance_derivative(mobility, &strain, &pressure_gradient);
-                }
-                if self.strain_dependence.is_some() {
-                    flow_by_strain += seepage * cofactor.transpose() * (mobility_by_volume / mobility);
-                }
-                let fluid = weight * density;
-                let storage_by_volume = fluid * alpha * volume_rate.rate;
-                let chi = self.fluid_compressibility;
-                let [gx, gy, px, py, value] = [gx, gy, px, py, pressure_shape].map(padded);
-                factors.test(q, [&gx, &gy], &padded(shape), [&px, &py], &value);
-                // Columns of the displacements: along a component of the displacement gradient.
-                for k in 0..2 {
-                    let along = |factor: f64, row: [f64; 2]| combined(factor * row[0], &gx, factor * row[1], &gy);
-                    for i in 0..4 {
-                        let row = [stress_by_strain[(i, 2 * k)], stress_by_strain[(i, 2 * k + 1)]];
-                        factors.stress[i / 2][k][2 * q + i % 2] = along(weight, row);
-                    }
-                    for i in 0..2 {
-                        let row = [flow_by_strain[(i, 2 * k)], flow_by_strain[(i, 2 * k + 1)]];
-                        factors.fluid[k][2 * q + i] = along(fluid, row);
-                    }
-                    factors.fluid[k][2 * POINTS + q] = along(storage_by_volume, [cofactor[2 * k], cofactor[2 * k + 1]]);
-                }
-                // Columns of the pressures.
-                if self.consistent {
-                    for i in 0..4 {
-                        factors.stress[i / 2][2][2 * q + i % 2] = value.map(|v| -alpha * weight * cofactor[i] * v);
-                    }
-                } else {
-                    factors.force[0][q] = px.map(|v| alpha * weight * v);
-                    factors.force[1][q] = py.map(|v| alpha * weight * v);
-                }
-                for i in 0..2 {
-                    let by_gradient = combined(fluid * conductance[(i, 0)], &px, fluid * conductance[(i, 1)], &py);
-                    factors.fluid[2][2 * q + i] = combined(1.0, &by_gradient, fluid * chi * flow[i], &value);
-                }
-                factors.fluid[2][2 * POINTS + q] = value.map(|v| fluid * alpha * volume_change_rate * chi * v);
-            }
-        }
+        let element = Element { tissue: self, mesh, element, at, speed, volume_rate };
         if let Some(residual) = terms.residual {
-            for (a, values) in residuals.into_iter().enumerate() {
-                (0..3).for_each(|field| residual[field * NODES + a] += values[field]);
-            }
+            pulp::Arch::new().dispatch(AddIntegral::<false> { element: &element, residual })?;
         }
-        if let (Some(tangent), Some(factors)) = (terms.tangent, factors) {
-            factors.multiply(tangent, self.consistent, *volume_rate != VolumeRate::default());
+        if let Some(residual) = terms.by_speed {
+            pulp::Arch::new().dispatch(AddIntegral::<true> { element: &element, residual })?;
         }
-        Ok(())
+        match terms.tangent {
+            Some(tangent) => element.add_tangent(tangent),
+            None => Ok(()),
+        }
     }
 
     /// Residual of an element for dJ/dt alone, given at its quadrature points [1/s].
@@ -325,6 +206,72 @@ impl Tissue {
         let [gx, gy] = &mesh.points(element)[point].gradients;
         let (ux, uy) = (&at[..NODES], &at[NODES..2 * NODES]);
         Strain::new(Matrix2::new(dot(gx, ux), dot(gy, ux), dot(gx, uy), dot(gy, uy)))
+    }
+}
+
+/// An element with all that its terms depend on.
+struct Element<'a> {
+    tissue: &'a Tissue,
+    mesh: &'a LayerMesh,
+    element: usize,
+    at: &'a Local,
+    speed: f64,
+    volume_rate: &'a VolumeRate,
+}
+
+impl Element<'_> {
+    #[inline(always)]
+    fn state(&self, fields: &ElementFields<'_>, q: usize) -> Result<State, Inverted> {
+        let point = fields.at(q);
+        let strain = Strain::new(point.displacement_gradient);
+        if strain.volume_ratio() <= 0.0 || !strain.volume_change.is_finite() {
+            return Err(Inverted);
+        }
+        Ok(State {
+            strain,
+            pressure: point.pressure,
+            pressure_gradient: point.pressure_gradient,
+            rotation: Vector2::from(self.mesh.points(self.element)[q].velocity),
+            speed: self.speed,
+            volume_rate: self.volume_rate.rate * strain.volume_ratio() + self.volume_rate.history[q],
+            volume_rate_by_volume: self.volume_rate.rate,
+        })
+    }
+
+    /// Most of its work is in products, which choose the processor's vectors themselves.
+    fn add_tangent(&self, tangent: &mut [f64; LOCAL * LOCAL]) -> Result<(), Inverted> {
+        let fields = ElementFields::new(self.mesh, self.element, self.at);
+        let mut factors = TangentFactors::NONE;
+        for q in 0..POINTS {
+            let derivatives = self.tissue.integrand_derivatives(&self.state(&fields, q)?);
+            factors.set(self.mesh, self.element, q, &derivatives);
+        }
+        factors.add_to(tangent);
+        Ok(())
+    }
+}
+
+/// Adds to the residual, or to its derivative by the surface speed; compiled once for each kind of processor.
+struct AddIntegral<'a, 'b, const BY_SPEED: bool> {
+    element: &'a Element<'a>,
+    residual: &'b mut Local,
+}
+
+impl<const BY_SPEED: bool> WithSimd for AddIntegral<'_, '_, BY_SPEED> {
+    type Output = Result<(), Inverted>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Element { tissue, mesh, element, at, .. } = *self.element;
+        let fields = ElementFields::new(mesh, element, at);
+        let mut sum = ResidualSum::new(mesh, element);
+        for q in 0..POINTS {
+            let state = self.element.state(&fields, q)?;
+            let integrand = if BY_SPEED { tissue.integrand_by_speed(&state) } else { tissue.integrand(&state) };
+            sum.add(q, &integrand);
+        }
+        sum.add_to(self.residual);
+        Ok(())
     }
 }
 
@@ -360,27 +307,6 @@ pub fn surface_pressure(mesh: &LayerMesh, element: usize, side: f64, at: &Local,
     }
 }
 
-/// Both displacements and the pressure at a node, or what belongs to them, and nothing: as many as fit in a vector.
-type Fields = [f64; 4];
-
-/// Sum over the nodes of a function's values times the fields.
-#[inline(always)]
-fn sum(function: &[f64; NODES], fields: &[Fields; NODES]) -> Fields {
-    let mut sum = [0.0; 4];
-    for (value, fields) in function.iter().zip(fields) {
-        sum.iter_mut().zip(fields).for_each(|(sum, field)| *sum += value * field);
-    }
-    sum
-}
-
-/// Adds a function's value at every node times the fields.
-#[inline(always)]
-fn add_outer(sums: &mut [Fields; NODES], function: &[f64; NODES], fields: &Fields) {
-    for (sum, value) in sums.iter_mut().zip(function) {
-        sum.iter_mut().zip(fields).for_each(|(sum, field)| *sum += value * field);
-    }
-}
-
 fn dot(f: &[f64; NODES], values: &[f64]) -> f64 {
     f.iter().zip(values).map(|(a, b)| a * b).sum()
 }
@@ -389,6 +315,7 @@ fn dot(f: &[f64; NODES], values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::fem::mesh::{graded, quadratic_stations};
+    use crate::laws::solid::{self, Fibres, NeoHookean};
     use proptest::prelude::*;
 
     fn mesh(order: i32, side: f64) -> LayerMesh {
@@ -421,12 +348,19 @@ mod tests {
         fn tangent_is_the_derivative_of_the_residual(
             seed in prop::collection::vec(-1.0..1.0f64, 31),
             direction in prop::collection::vec(-1.0..1.0f64, 29),
-            consistent: bool, order in 1..3_i32, upper: bool, strained: bool,
+            consistent: bool, order in 1..3_i32, upper: bool, strained: bool, stiffening: bool, fibres: bool,
         ) {
             let side = if upper { 1.0 } else { -1.0 };
             let mesh = mesh(order, side);
             let tissue = Tissue {
-                solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 },
+                solid: Solid {
+                    fibres: fibres.then(|| Fibres::new(2e6, 3.0, 4.0)),
+                    ..if stiffening {
+                        solid::HolmesMow { shear_modulus: 0.45e6, bulk_modulus: 0.5e6, stiffening_coefficient: 2.0 }.into()
+                    } else {
+                        NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 }.into()
+                    }
+                },
                 biot_coefficient: 0.9, mobility: 1e-12, fluid_compressibility: 1e-7, consistent,
                 strain_dependence: strained.then_some(HolmesMow {
                     solid_volume_fraction: 0.3, exponent: 2.0, strain_coefficient: 3.0,
@@ -465,7 +399,7 @@ mod tests {
     fn an_element_turned_inside_out_is_refused() {
         let mesh = mesh(2, 1.0);
         let tissue = Tissue {
-            solid: NeoHookean { shear_modulus: 1.0, bulk_modulus: 1.0 },
+            solid: NeoHookean { shear_modulus: 1.0, bulk_modulus: 1.0 }.into(),
             biot_coefficient: 1.0,
             mobility: 1.0,
             strain_dependence: None,
@@ -476,7 +410,12 @@ mod tests {
         for (a, n) in mesh.element_nodes(0).into_iter().enumerate() {
             at[NODES + a] = -3.0 * mesh.nodes[n][1];
         }
-        let terms = ElementTerms { residual: None, by_speed: None, tangent: None };
-        assert_eq!(tissue.element(&mesh, 0, &at, 0.0, &VolumeRate::default(), terms), Err(Inverted));
+        let (mut residual, mut tangent) = ([0.0; LOCAL], [0.0; LOCAL * LOCAL]);
+        for terms in [
+            ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None },
+            ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) },
+        ] {
+            assert_eq!(tissue.element(&mesh, 0, &at, 0.0, &VolumeRate::default(), terms), Err(Inverted));
+        }
     }
 }

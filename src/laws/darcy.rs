@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector4};
 
-use super::neo_hookean::{COFACTOR_DERIVATIVE, Strain, flatten};
+use super::kinematics::{COFACTOR_DERIVATIVE, Strain, flatten};
 
 /// Permeability that falls as the tissue is compressed, isotropic in the deformed tissue (Holmes and Mow, Journal of
 /// Biomechanics 23 (11), 1145-1156, 1990):

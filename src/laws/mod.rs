@@ -4,8 +4,9 @@
 pub mod contact;
 pub mod darcy;
 pub mod film;
-pub mod neo_hookean;
+pub mod kinematics;
 pub mod roughness;
+pub mod solid;
 
 /// How permeability answers to strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -13,6 +14,15 @@ pub enum PermeabilityLaw {
     /// Not at all.
     Constant,
     /// [`darcy::HolmesMow`].
+    HolmesMow,
+}
+
+/// How the drained solid answers to strain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum SolidLaw {
+    /// [`solid::NeoHookean`].
+    NeoHookean,
+    /// [`solid::HolmesMow`].
     HolmesMow,
 }
 

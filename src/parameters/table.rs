@@ -1,7 +1,7 @@
 //! The table of parameters: names, units, ranges and descriptions, and how values are read and set by name.
 
 use super::{
-    AsperityLaw, Control, Fidelity, Formulation, MeshDistribution, PRESETS, Parameters, PermeabilityLaw,
+    AsperityLaw, Control, Fidelity, Formulation, MeshDistribution, PRESETS, Parameters, PermeabilityLaw, SolidLaw,
     TimeIntegration, presets,
 };
 use crate::error::Error;
@@ -336,6 +336,20 @@ static CAVITATION_ROWS: [Parameter; 2] = rows! {
         "Least pressure of the film, above ambient (where cavitation is true)";
 };
 
+static SOLID_ROWS: [Parameter; 10] = body_rows! {
+    [540, 541] solid_law: choice(
+        SolidLaw::NeoHookean => "neo_hookean": "Neo-Hookean solid",
+        SolidLaw::HolmesMow => "holmes_mow": "Exponential solid of Holmes and Mow: it stiffens as it is strained (consistent formulation)",
+    ), "Law of the drained solid, whose moduli are those at small strain,";
+    [542, 543] stiffening_coefficient: real(Unit::One, 0.0, 20.0, 1.0),
+        "Coefficient of the exponential in the strain energy (solid_law holmes_mow)";
+    [544, 545] fibre_modulus: real(Unit::Pascal, 0.0, 1e10, 1e6),
+        "Modulus of fibres in all directions that only pull, 0 for none (consistent formulation),";
+    [546, 547] fibre_exponent: real(Unit::One, 2.0, 10.0, 1.0), "Exponent of the fibres' strain energy";
+    [548, 549] fibre_exponential_coefficient: real(Unit::One, 0.0, 1e3, 1.0),
+        "Coefficient of the exponential in the fibres' strain energy, 0 for a power law,";
+};
+
 static JOINT_ROWS: [Parameter; 8] = rows! {
     500 "mesh.distribution" at mesh_distribution: choice(
         MeshDistribution::Graded => "graded": "By mesh.column_grading and mesh.row_grading, on a mesh that stays",
@@ -359,8 +373,16 @@ static JOINT_ROWS: [Parameter; 8] = rows! {
         "Share of the fluid's pressure in real contact that boundary friction feels as well (phi of Ateshian; rough surfaces)";
 };
 
-const PARTS: [&[Parameter]; 7] =
-    [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &PRESET_ROW, &CAVITATION_ROWS, &JOINT_ROWS];
+const PARTS: [&[Parameter]; 8] = [
+    &BODY_ROWS,
+    &COMMON_ROWS,
+    &STRAIN_DEPENDENCE_ROWS,
+    &CHOICE_ROWS,
+    &PRESET_ROW,
+    &CAVITATION_ROWS,
+    &JOINT_ROWS,
+    &SOLID_ROWS,
+];
 
 const COUNT: usize = {
     let (mut count, mut part) = (0, 0);

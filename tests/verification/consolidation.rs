@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use cartilage_contact::equations::tissue::Tissue;
-use cartilage_contact::laws::neo_hookean::NeoHookean;
+use cartilage_contact::laws::solid::NeoHookean;
 
 use crate::strip::{Condition, P, Strip, X, Y, flat, orders, uniform};
 
@@ -21,7 +21,7 @@ const M: f64 = 0.5e6 + 0.6e6;
 /// A column, drained at the surface; the surface's displacement is free or prescribed.
 fn column(consistent: bool, order: i32, surface: Condition) -> Strip {
     let tissue = Tissue {
-        solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 },
+        solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 }.into(),
         biot_coefficient: 1.0,
         mobility: K,
         strain_dependence: None,

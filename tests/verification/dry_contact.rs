@@ -11,7 +11,7 @@ use approx::assert_relative_eq;
 use cartilage_contact::equations::tissue::{Tissue, VolumeRate};
 use cartilage_contact::fem::element::POINTS;
 use cartilage_contact::fem::mesh::{graded, quadratic_stations};
-use cartilage_contact::laws::neo_hookean::NeoHookean;
+use cartilage_contact::laws::solid::NeoHookean;
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::Simulation;
@@ -93,7 +93,7 @@ fn an_incompressible_layer() {
     for (ratio, load, peak, delta) in [(1.0, 5.9807, 4.0052, 0.4384), (4.0, 37.681, 29.229, 0.2635)] {
         let a = ratio * T;
         let tissue = Tissue {
-            solid: NeoHookean { shear_modulus, bulk_modulus: shear_modulus },
+            solid: NeoHookean { shear_modulus, bulk_modulus: shear_modulus }.into(),
             biot_coefficient: 1.0,
             mobility: 1e-12,
             strain_dependence: None,

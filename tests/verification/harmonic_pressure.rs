@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use cartilage_contact::equations::tissue::Tissue;
 use cartilage_contact::fem::mesh::{graded, quadratic_stations};
-use cartilage_contact::laws::neo_hookean::NeoHookean;
+use cartilage_contact::laws::solid::NeoHookean;
 
 use crate::strip::{Condition, P, Strip, X, Y, flat, uniform};
 
@@ -23,7 +23,7 @@ const K: f64 = 1e-12;
 /// u_y G/(t P), V t/(k P), p_base/P, each as real and imaginary part.
 fn answer(q: f64, consistent: bool, speed: f64) -> [[f64; 2]; 3] {
     let tissue = Tissue {
-        solid: NeoHookean { shear_modulus: G, bulk_modulus: 0.5e6 },
+        solid: NeoHookean { shear_modulus: G, bulk_modulus: 0.5e6 }.into(),
         biot_coefficient: 0.9,
         mobility: K,
         strain_dependence: None,

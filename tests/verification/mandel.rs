@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use cartilage_contact::equations::tissue::Tissue;
-use cartilage_contact::laws::neo_hookean::NeoHookean;
+use cartilage_contact::laws::solid::NeoHookean;
 
 use crate::strip::{Condition, P, Strip, X, Y, flat, orders, uniform};
 
@@ -36,7 +36,7 @@ fn centre(time: f64) -> f64 {
 /// The same by the code, in equal steps.
 fn computed(time: f64, steps: usize, order: i32) -> f64 {
     let tissue = Tissue {
-        solid: NeoHookean { shear_modulus: G, bulk_modulus: BULK },
+        solid: NeoHookean { shear_modulus: G, bulk_modulus: BULK }.into(),
         biot_coefficient: 1.0,
         mobility: MOBILITY,
         strain_dependence: None,

@@ -18,7 +18,8 @@ use cartilage_contact::equations::tissue::Tissue;
 use cartilage_contact::fem::element::{NODES, POINTS};
 use cartilage_contact::fem::mesh::{LayerMesh, quadratic_stations};
 use cartilage_contact::laws::darcy::{HolmesMow, conductance};
-use cartilage_contact::laws::neo_hookean::{NeoHookean, Strain};
+use cartilage_contact::laws::kinematics::Strain;
+use cartilage_contact::laws::solid::NeoHookean;
 use nalgebra::{Matrix2, Vector2};
 
 use crate::strip::{Condition, P, Strip, X, Y, orders};
@@ -106,7 +107,7 @@ fn errors(refinement: usize, consistent: bool, order: i32, strain_dependence: Op
     // A tight circle, so that the elements are truly curved.
     let mesh = LayerMesh::sector(&stations, &depths, 5e-3, -1.0, order);
     let tissue = Tissue {
-        solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 },
+        solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 }.into(),
         biot_coefficient: 0.9,
         mobility: 1e-12,
         strain_dependence,

@@ -272,7 +272,7 @@ impl Problem for Strip {
 
 /// Modulus of uniaxial strain.
 fn modulus(tissue: &Tissue) -> f64 {
-    tissue.solid.bulk_modulus + 4.0 / 3.0 * tissue.solid.shear_modulus
+    tissue.solid.aggregate_modulus()
 }
 
 /// A flat layer of this length and thickness whose surface is y = 0, below it (a lower body) and moving along x.

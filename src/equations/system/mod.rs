@@ -19,10 +19,9 @@ use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::LayerMesh;
 use crate::laws::contact::mobilised_friction;
-use crate::laws::darcy::HolmesMow;
-use crate::laws::neo_hookean::NeoHookean;
 use crate::laws::roughness::Roughness;
-use crate::laws::{Formulation, PermeabilityLaw};
+use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
+use crate::laws::{Formulation, PermeabilityLaw, SolidLaw, darcy};
 use crate::parameters::{Body, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
 
@@ -183,15 +182,27 @@ impl Layer {
         Self {
             mesh: sector(parameters, side, grid),
             tissue: Tissue {
-                solid: NeoHookean {
-                    shear_modulus: isochoric * body.shear_modulus,
-                    bulk_modulus: volumetric * body.bulk_modulus,
+                solid: Solid {
+                    matrix: match body.solid_law {
+                        SolidLaw::NeoHookean => GroundMatrix::NeoHookean(NeoHookean {
+                            shear_modulus: isochoric * body.shear_modulus,
+                            bulk_modulus: volumetric * body.bulk_modulus,
+                        }),
+                        SolidLaw::HolmesMow => GroundMatrix::HolmesMow(solid::HolmesMow {
+                            shear_modulus: body.shear_modulus,
+                            bulk_modulus: body.bulk_modulus,
+                            stiffening_coefficient: body.stiffening_coefficient,
+                        }),
+                    },
+                    fibres: (body.fibre_modulus > 0.0).then(|| {
+                        Fibres::new(body.fibre_modulus, body.fibre_exponent, body.fibre_exponential_coefficient)
+                    }),
                 },
                 biot_coefficient: alpha,
                 mobility: body.permeability / parameters.viscosity,
                 strain_dependence: match parameters.permeability_law {
                     PermeabilityLaw::Constant => None,
-                    PermeabilityLaw::HolmesMow => Some(HolmesMow {
+                    PermeabilityLaw::HolmesMow => Some(darcy::HolmesMow {
                         solid_volume_fraction: body.solid_volume_fraction,
                         exponent: body.permeability_exponent,
                         strain_coefficient: body.permeability_strain_coefficient,
@@ -202,11 +213,6 @@ impl Layer {
             },
             side,
         }
-    }
-
-    /// Modulus of uniaxial strain [Pa].
-    fn aggregate_modulus(&self) -> f64 {
-        self.tissue.solid.bulk_modulus + 4.0 / 3.0 * self.tissue.solid.shear_modulus
     }
 }
 
@@ -224,11 +230,11 @@ impl System {
         let consistent = p.formulation == Formulation::Consistent;
         let layout = Layout::new(&meshes, p.cavitation, consistent);
         let copies = if mirrored { 2.0 } else { 1.0 };
-        let modulus = layers.iter().map(Layer::aggregate_modulus).fold(0.0, f64::max);
+        let modulus = layers.iter().map(|layer| layer.tissue.solid.aggregate_modulus()).fold(0.0, f64::max);
         let thickness = p.upper.thickness.max(p.lower.thickness);
         let mobility = layers.iter().map(|layer| layer.tissue.mobility).fold(0.0, f64::max);
         // Both bodies give way to a ripple of pressure.
-        let shear_modulus = 2.0 / layers.iter().map(|layer| copies / layer.tissue.solid.shear_modulus).sum::<f64>();
+        let shear_modulus = 2.0 / layers.iter().map(|layer| copies / layer.tissue.solid.shear_modulus()).sum::<f64>();
         // One micron of displacement goes with this much pressure; rows are scaled to match.
         let (length, pressure) = (1e-6, 1e-6 * modulus / thickness);
         let column_scale = layout.quantities.iter().map(|q| match q {
