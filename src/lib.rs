@@ -70,6 +70,7 @@ pub mod equations;
 pub mod error;
 pub mod fem;
 pub mod fields;
+pub mod files;
 pub mod fmi;
 pub mod io;
 pub mod laws;

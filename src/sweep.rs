@@ -1,6 +1,6 @@
 //! Many states of one case, on several threads.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::Error;
@@ -11,7 +11,8 @@ use crate::simulation::Simulation;
 const SMALLEST_SHARE: usize = 4;
 
 /// Solves all points. Every thread takes consecutive points, each starting from the one before; a thread that has no more takes
-/// over half of what is left to another. `done` hears of every point as it is solved, or why it was not.
+/// over half of what is left to another. `done` hears of every point as it is solved, or why it was not; where it breaks, no further
+/// point is begun.
 ///
 /// # Errors
 /// [`Error::Value`] where a parameter is out of range.
@@ -19,7 +20,7 @@ pub fn solve(
     parameters: &Parameters,
     points: &[Inputs],
     threads: usize,
-    done: &(dyn Fn(usize, Result<&mut Simulation, Error>) + Sync),
+    done: &(dyn Fn(usize, Result<&mut Simulation, Error>) -> ControlFlow<()> + Sync),
 ) -> Result<(), Error> {
     if parameters.control == Control::Load {
         return Err(Error::value("control", "load", "\"depth\": a sweep goes from depth to depth"));
@@ -41,7 +42,9 @@ pub fn solve(
                     let parting = point.penetration_depth < simulation.inputs().penetration_depth;
                     let result = if parting { simulation.restore(&rest) } else { Ok(()) };
                     let result = result.and_then(|()| simulation.solve_steady(point));
-                    done(index, result.map(|()| &mut simulation));
+                    if done(index, result.map(|()| &mut simulation)).is_break() {
+                        shares.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
+                    }
                 }
             });
         }
@@ -67,6 +70,23 @@ fn next(shares: &mut [Range<usize>], worker: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_sweep_stops_where_it_is_told() {
+        use crate::parameters::Mesh;
+        let parameters = Parameters { mesh: Mesh { columns: 8, rows: 1, ..Mesh::default() }, ..Parameters::default() };
+        let points: Vec<_> =
+            (0..12).map(|i| Inputs { penetration_depth: -20e-6 + 1e-6 * f64::from(i), ..Inputs::default() }).collect();
+        let heard = Mutex::new(0);
+        let done = |_, result: Result<&mut Simulation, Error>| {
+            result.unwrap();
+            *heard.lock().unwrap() += 1;
+            ControlFlow::Break(())
+        };
+        solve(&parameters, &points, 2, &done).unwrap();
+        // What another thread had begun is finished.
+        assert!((1..=2).contains(&*heard.lock().unwrap()));
+    }
 
     #[test]
     fn every_point_is_given_out_once() {

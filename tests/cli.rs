@@ -276,6 +276,25 @@ fn package_writes_both_fmus_and_says_where() {
 }
 
 #[test]
+fn either_fmu_may_be_named_and_one_that_is_there_is_replaced_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_in(folder.path(), "package --output x.fmi3.fmu");
+    assert_eq!(out(&output).lines().collect::<Vec<_>>(), ["x.fmu", "x.fmi3.fmu"]);
+    let good = std::fs::read(folder.path().join("x.fmu")).unwrap();
+    #[cfg(unix)]
+    {
+        // A disk with room for half a megabyte.
+        let program = env!("CARGO_BIN_EXE_cartilage-contact");
+        let command = format!("trap '' XFSZ; ulimit -f 1000; exec {program} package --output x.fmu");
+        let output = Command::new("sh").args(["-c", &command]).current_dir(folder.path()).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("x.fmu: could not write"));
+    }
+    assert_eq!(std::fs::read(folder.path().join("x.fmu")).unwrap(), good);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside");
+}
+
+#[test]
 fn reduce_packs_a_model_and_says_how_good_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let output = run_in(

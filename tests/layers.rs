@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// The layers from the bottom; those in one row do not use each other unless they are one module.
 const LAYERS: [&[&str]; 10] = [
     &["error", "units", "laws"],
-    &["parameters", "fem", "solver"],
+    &["parameters", "fem", "solver", "files"],
     &["equations"],
     &["outputs", "fields"],
     &["simulation"],
