@@ -74,6 +74,7 @@ pub mod files;
 pub mod fmi;
 pub mod io;
 pub mod laws;
+pub mod memory;
 pub mod outputs;
 pub mod parameters;
 pub mod reduced;

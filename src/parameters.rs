@@ -121,6 +121,8 @@ pub struct Parameters {
     pub cavitation: bool,
     /// Least pressure of the film, above ambient [Pa].
     pub cavitation_pressure: f64,
+    /// After so long [s] a solution is given up; 0 is never.
+    pub maximum_solve_time: f64,
     /// How permeability answers to strain.
     pub permeability_law: PermeabilityLaw,
     /// Where the other values start from; to get these values, [`Preset::parameters`].
@@ -178,6 +180,7 @@ impl Default for Parameters {
             maximum_internal_step: 1e3,
             cavitation: false,
             cavitation_pressure: -1e5,
+            maximum_solve_time: 600.0,
             permeability_law: PermeabilityLaw::Constant,
             preset: Preset::Paper,
             named: Named::default(),

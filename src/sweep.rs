@@ -4,6 +4,7 @@ use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::Error;
+use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
 use crate::simulation::Simulation;
 
@@ -30,13 +31,17 @@ pub fn solve(
     let shares: Vec<_> =
         (0..threads).map(|i| (i * share).min(points.len())..((i + 1) * share).min(points.len())).collect();
     let shares = Mutex::new(shares);
+    memory::check(parameters, threads)?;
     let simulations: Result<Vec<_>, _> = (0..threads).map(|_| Simulation::new(parameters)).collect();
     std::thread::scope(|scope| {
         for (worker, mut simulation) in simulations?.into_iter().enumerate() {
             let shares = &shares;
             scope.spawn(move || {
                 let rest = simulation.snapshot();
-                while let Some(index) = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), worker) {
+                loop {
+                    // A `while let` would hold the lock while the point is solved, and the threads would take turns.
+                    let index = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), worker);
+                    let Some(index) = index else { break };
                     let point = points[index];
                     // Surfaces close more readily than they part.
                     let parting = point.penetration_depth < simulation.inputs().penetration_depth;
@@ -73,8 +78,8 @@ mod tests {
 
     #[test]
     fn a_sweep_stops_where_it_is_told() {
-        use crate::parameters::Mesh;
-        let parameters = Parameters { mesh: Mesh { columns: 8, rows: 1, ..Mesh::default() }, ..Parameters::default() };
+        let mut parameters = Parameters::default();
+        (parameters.mesh.columns, parameters.mesh.rows) = (8, 1);
         let points: Vec<_> =
             (0..12).map(|i| Inputs { penetration_depth: -20e-6 + 1e-6 * f64::from(i), ..Inputs::default() }).collect();
         let heard = Mutex::new(0);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: [&[&str]; 10] = [
     &["error", "units", "laws"],
     &["parameters", "fem", "solver", "files"],
-    &["equations"],
+    &["equations", "memory"],
     &["outputs", "fields"],
     &["simulation"],
     &["sweep"],

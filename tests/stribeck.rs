@@ -184,11 +184,11 @@ fn kill_sweeps(times: u64) {
     };
     let mut random = 20_240_229_u64;
     for round in 0..times {
-        let mut run = spawn(&sweep(disturbed.path()));
+        let mut child = spawn(&sweep(disturbed.path()));
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         std::thread::sleep(std::time::Duration::from_millis((random >> 33) % 300));
-        run.kill().unwrap();
-        run.wait().unwrap();
+        child.kill().unwrap();
+        child.wait().unwrap();
         if round % 5 == 4 {
             // Somebody looks for another case meanwhile, and is refused or finds an empty folder.
             let other = run(&format!("{} --set viscosity=2e-3 --depths 0", sweep(disturbed.path())));

@@ -135,7 +135,10 @@ fn responses(case: &Case, depths: &[f64], change: f64, threads: usize) -> Result
     std::thread::scope(|scope| {
         for _ in 0..threads.max(1) {
             scope.spawn(|| {
-                while let Some(index) = next.lock().unwrap_or_else(PoisonError::into_inner).next() {
+                loop {
+                    // Not in a `while let`, which would hold the lock while the case is solved.
+                    let index = next.lock().unwrap_or_else(PoisonError::into_inner).next();
+                    let Some(index) = index else { break };
                     let (_, label, change, case) = &cases[index];
                     let points: Vec<_> =
                         depths.iter().map(|d| Inputs { penetration_depth: *d, ..case.inputs }).collect();

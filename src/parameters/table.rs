@@ -414,10 +414,19 @@ static CAVITATION_ROWS: [Parameter; 2] = [
     ),
 ];
 
+static WORK_ROWS: [Parameter; 1] = [real(
+    "maximum_solve_time",
+    Unit::Second,
+    [0.0, 1e9, 1e2],
+    |p| &mut p.maximum_solve_time,
+    "After so long a solution is given up and the last one kept; 0 is never",
+)];
+
 /// Every parameter, in the order in which the FMU lists them. Append only: the order fixes the value references.
-pub static PARAMETERS: [&Parameter; 43] = {
-    let parts: [&[Parameter]; 5] = [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &CAVITATION_ROWS];
-    let mut rows = [&BODY_ROWS[0]; 43];
+pub static PARAMETERS: [&Parameter; 44] = {
+    let parts: [&[Parameter]; 6] =
+        [&BODY_ROWS, &COMMON_ROWS, &STRAIN_DEPENDENCE_ROWS, &CHOICE_ROWS, &CAVITATION_ROWS, &WORK_ROWS];
+    let mut rows = [&BODY_ROWS[0]; 44];
     let (mut part, mut first, mut place) = (0, 0, 0);
     while place < rows.len() {
         if place - first == parts[part].len() {
