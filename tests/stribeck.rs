@@ -178,9 +178,10 @@ fn one_run_writes_to_a_folder_at_a_time() {
 
 /// Kills sweeps at random moments, and lets the last one finish: every state is there once, and is that of an undisturbed sweep.
 fn kill_sweeps(times: u64) {
+    // Full films: in solid contact on so few elements there are depths with two solutions, of more and of fewer stations in contact.
     let (disturbed, whole) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let sweep = |folder: &Path| {
-        format!("stribeck {COARSE} --depths -10e-6:60e-6:1e-6 --threads 2 --output {}", folder.display())
+        format!("stribeck {COARSE} --depths -40e-6:5e-6:0.5e-6 --threads 2 --output {}", folder.display())
     };
     let mut random = 20_240_229_u64;
     for round in 0..times {
@@ -190,22 +191,26 @@ fn kill_sweeps(times: u64) {
         child.kill().unwrap();
         child.wait().unwrap();
         if round % 5 == 4 {
-            // Somebody looks for another case meanwhile, and is refused or finds an empty folder.
-            let other = run(&format!("{} --set viscosity=2e-3 --depths 0", sweep(disturbed.path())));
-            let empty = !text(&other.stderr).contains("of another case");
-            if empty {
-                std::fs::remove_file(disturbed.path().join("stribeck.csv")).unwrap();
+            // Another case is refused, or solved where there is no row yet; its rows would then be refused in turn.
+            let folder = disturbed.path();
+            let other =
+                run(&format!("stribeck {COARSE} --set viscosity=2e-3 --depths 0 --output {}", folder.display()));
+            if other.status.success() {
+                std::fs::remove_file(folder.join("stribeck.csv")).unwrap();
+            } else {
+                assert!(text(&other.stderr).contains("of another case"), "{}", text(&other.stderr));
             }
         }
     }
     done(&sweep(disturbed.path()));
     done(&sweep(whole.path()));
-    let [disturbed, whole] = [disturbed, whole].map(|folder| folder.path().join("stribeck.csv"));
+    let [disturbed, whole] = [&disturbed, &whole].map(|folder| folder.path().join("stribeck.csv"));
     for name in ["penetration_depth", "load", "minimum_film_thickness"] {
         let (found, expected) = (column(&disturbed, name), column(&whole, name));
-        assert_eq!(found.len(), 71);
+        assert_eq!(found.len(), 91);
         let largest = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-5 * largest), "{name}");
+        let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-5 * largest, "{name}: {off} of {largest}");
     }
     let (_, rows) = table(&disturbed);
     assert!(rows.iter().all(|row| row.last() == table(&whole).1[0].last()));

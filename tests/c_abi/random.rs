@@ -70,7 +70,16 @@ fn live(seed: u64, calls: usize) {
         let (mut found, c) = ([0.0; 2], fmu.handle);
         let kind = random.below(22);
         let status = match kind {
-            0 => fmu.enter_initialization(if random.below(4) == 0 { 0.3 } else { 1e6 }),
+            0 => {
+                let stop = [0.3, 1e6, 1e6, of_a][random.below(4)];
+                match standard {
+                    Standard::Fmi2 => unsafe {
+                        let status = fmi2SetupExperiment(c, 0, 0.0, 0.0, 1, stop);
+                        status.max(fmi2EnterInitializationMode(c))
+                    },
+                    Standard::Fmi3 => unsafe { fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 1, stop) },
+                }
+            }
             1 | 2 => fmu.exit_initialization(),
             3 | 4 if !kept.contains(&a) => fmu.set_reals(&[a], &[of_a]),
             5 if !kept.contains(&a) && !kept.contains(&b) => fmu.set_reals(&[a, b], &[of_a, of_b]),
