@@ -11,18 +11,16 @@ use crate::simulation::Simulation;
 /// Fewer points than this are not shared out: a state far from the last one costs as much as several nearby.
 const SMALLEST_SHARE: usize = 4;
 
+/// Hears of a point, by its index; says whether to go on.
+pub type Done<'a> = &'a (dyn Fn(usize, Result<&mut Simulation, Error>) -> ControlFlow<()> + Sync);
+
 /// Solves all points. Every thread takes consecutive points, each starting from the one before; a thread that has no more takes
 /// over half of what is left to another. `done` hears of every point as it is solved, or why it was not; where it breaks, no further
 /// point is begun.
 ///
 /// # Errors
 /// [`Error::Value`] where a parameter is out of range.
-pub fn solve(
-    parameters: &Parameters,
-    points: &[Inputs],
-    threads: usize,
-    done: &(dyn Fn(usize, Result<&mut Simulation, Error>) -> ControlFlow<()> + Sync),
-) -> Result<(), Error> {
+pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: Done<'_>) -> Result<(), Error> {
     if parameters.control == Control::Load {
         return Err(Error::value("control", "load", "\"depth\": a sweep goes from depth to depth"));
     }
