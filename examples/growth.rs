@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (growing, columns, rows) in columns.into_iter().chain(rows).chain(both) {
         let mesh = Mesh { columns, rows, ..Parameters::default().mesh };
         let start = Instant::now();
-        let mut system = System::new(&Parameters { mesh, ..Parameters::default() }, true);
+        let mut system = System::new(&Parameters { mesh, ..Parameters::default() }, true, 0.0);
         let make = start.elapsed().as_secs_f64();
         system.set_threads(threads);
         let inputs = Inputs::default();

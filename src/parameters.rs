@@ -141,6 +141,8 @@ pub struct Parameters {
     pub cavitation: bool,
     /// Least pressure of the film, above ambient [Pa].
     pub cavitation_pressure: f64,
+    /// After so long [s] a solution is given up; 0 is never.
+    pub maximum_solve_time: f64,
     /// How permeability answers to strain.
     pub permeability_law: PermeabilityLaw,
     /// Combined root mean square roughness of the two surfaces [m]; 0 is smooth.
@@ -218,6 +220,7 @@ impl Default for Parameters {
             maximum_internal_step: 1e3,
             cavitation: false,
             cavitation_pressure: -1e5,
+            maximum_solve_time: 600.0,
             permeability_law: PermeabilityLaw::Constant,
             surface_roughness: 0.0,
             asperity_law: AsperityLaw::Exponential,
@@ -298,6 +301,14 @@ impl std::fmt::Display for Inputs {
 }
 
 impl Parameters {
+    /// Elements along the surface and through the thickness, also where their numbers are left to the program.
+    pub fn elements(&self) -> [i32; 2] {
+        const COLUMNS: i32 = 96;
+        const ROWS: i32 = 10;
+        let Mesh { columns, rows, .. } = self.mesh;
+        [if columns == 0 { COLUMNS } else { columns }, if rows == 0 { ROWS } else { rows }]
+    }
+
     /// Checks every value against its range, and the few rules that tie values together.
     ///
     /// # Errors

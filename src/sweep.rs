@@ -1,26 +1,26 @@
 //! Many states of one case, on several threads.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::Error;
+use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
 use crate::simulation::Simulation;
 
 /// Fewer points than this are not shared out: a state far from the last one costs as much as several nearby.
 const SMALLEST_SHARE: usize = 4;
 
+/// Hears of a point, by its index; says whether to go on.
+pub type Done<'a> = &'a (dyn Fn(usize, Result<&mut Simulation, Error>) -> ControlFlow<()> + Sync);
+
 /// Solves all points. Every thread takes consecutive points, each starting from the one before; a thread that has no more takes
-/// over half of what is left to another. `done` hears of every point as it is solved, or why it was not.
+/// over half of what is left to another. `done` hears of every point as it is solved, or why it was not; where it breaks, no further
+/// point is begun.
 ///
 /// # Errors
 /// [`Error::Value`] where a parameter is out of range.
-pub fn solve(
-    parameters: &Parameters,
-    points: &[Inputs],
-    threads: usize,
-    done: &(dyn Fn(usize, Result<&mut Simulation, Error>) + Sync),
-) -> Result<(), Error> {
+pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: Done<'_>) -> Result<(), Error> {
     if parameters.control == Control::Load {
         return Err(Error::value("control", "load", "\"depth\": a sweep goes from depth to depth"));
     }
@@ -29,19 +29,25 @@ pub fn solve(
     let shares: Vec<_> =
         (0..threads).map(|i| (i * share).min(points.len())..((i + 1) * share).min(points.len())).collect();
     let shares = Mutex::new(shares);
+    memory::check(parameters, threads)?;
     let simulations: Result<Vec<_>, _> = (0..threads).map(|_| Simulation::new(parameters)).collect();
     std::thread::scope(|scope| {
         for (worker, mut simulation) in simulations?.into_iter().enumerate() {
             let shares = &shares;
             scope.spawn(move || {
                 let rest = simulation.snapshot();
-                while let Some(index) = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), worker) {
+                loop {
+                    // A `while let` would hold the lock while the point is solved, and the threads would take turns.
+                    let index = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), worker);
+                    let Some(index) = index else { break };
                     let point = points[index];
                     // Surfaces close more readily than they part.
                     let parting = point.penetration_depth < simulation.inputs().penetration_depth;
                     let result = if parting { simulation.restore(&rest) } else { Ok(()) };
                     let result = result.and_then(|()| simulation.solve_steady(point));
-                    done(index, result.map(|()| &mut simulation));
+                    if done(index, result.map(|()| &mut simulation)).is_break() {
+                        shares.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
+                    }
                 }
             });
         }
@@ -67,6 +73,23 @@ fn next(shares: &mut [Range<usize>], worker: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_sweep_stops_where_it_is_told() {
+        let mut parameters = Parameters::default();
+        (parameters.mesh.columns, parameters.mesh.rows) = (8, 1);
+        let points: Vec<_> =
+            (0..12).map(|i| Inputs { penetration_depth: -20e-6 + 1e-6 * f64::from(i), ..Inputs::default() }).collect();
+        let heard = Mutex::new(0);
+        let done = |_, result: Result<&mut Simulation, Error>| {
+            result.unwrap();
+            *heard.lock().unwrap() += 1;
+            ControlFlow::Break(())
+        };
+        solve(&parameters, &points, 2, &done).unwrap();
+        // What another thread had begun is finished.
+        assert!((1..=2).contains(&*heard.lock().unwrap()));
+    }
 
     #[test]
     fn every_point_is_given_out_once() {

@@ -259,7 +259,10 @@ impl InputRow {
 /// [`Error::UnknownName`] with the nearest names there are.
 pub fn find(name: &str) -> Result<&'static Variable, Error> {
     VARIABLES.iter().find(|row| row.name == name).ok_or_else(|| Error::UnknownName {
-        name: name.into(),
+        name: match name.char_indices().nth(LONGEST_NAME) {
+            Some((end, _)) => format!("{}...", &name[..end]),
+            None => name.into(),
+        },
         hint: match (RETIRED.iter().find(|row| row.name == name), nearest(name)) {
             (Some(retired), _) => retired.hint.into(),
             (_, Some(near)) => format!("did you mean `{near}`?"),
@@ -281,8 +284,14 @@ pub fn scalar_outputs() -> impl Iterator<Item = &'static Variable> {
     VARIABLES.iter().filter(|row| row.is_output() && row.is_scalar())
 }
 
+/// Longer names are no misspelt ones; comparing them with all others, or printing them, would take long.
+const LONGEST_NAME: usize = 100;
+
 /// The name that takes the fewest edits, if it takes few.
 fn nearest(name: &str) -> Option<&'static str> {
+    if name.chars().nth(LONGEST_NAME).is_some() {
+        return None;
+    }
     let (edits, near) = VARIABLES
         .iter()
         .map(|row| (edit_distance(name, &row.name), row.name.as_str()))
@@ -602,6 +611,8 @@ mod tests {
             assert!(message.contains(&format!("did you mean `{right}`?")), "{message}");
         }
         assert!(!find("temperature").err().unwrap().to_string().contains("did you mean"));
+        let endless = find(&"a".repeat(5_000_000)).err().unwrap().to_string();
+        assert!(endless.contains("aaa...") && endless.len() < 200, "{endless}");
     }
 
     #[test]

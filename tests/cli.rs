@@ -204,6 +204,36 @@ fn a_library_that_was_not_built_is_named_with_the_command_that_builds_it() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn too_little_memory_is_said_with_the_number() {
+    let with = |kilobytes: u32, arguments: &str| {
+        let program = env!("CARGO_BIN_EXE_cartilage-contact");
+        let command = format!("ulimit -v {kilobytes}; exec {program} {arguments}");
+        Command::new("sh").args(["-c", &command]).output().unwrap()
+    };
+    let output = with(4_000_000, "solve --set mesh.columns=2000 --set mesh.rows=200");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("mesh.rows = 200 up to 45.7 GB of memory are needed, and 4.1 GB are free"), "{message}");
+    // Where it is nearly enough: an answer either way, and never an abort.
+    let codes = [45_000, 60_000, 90_000, 130_000, 200_000].map(|kilobytes| {
+        with(kilobytes, "solve --set mesh.columns=100 --set mesh.rows=8 --set slide_to_roll_ratio=0.1").status.code()
+    });
+    assert!(
+        codes.iter().all(|code| matches!(code, Some(0 | 2))) && codes[0] == Some(2) && codes[4] == Some(0),
+        "{codes:?}"
+    );
+}
+
+#[test]
+fn a_solution_is_given_up_when_its_time_is_over() {
+    let start = std::time::Instant::now();
+    let message = refused("solve --set both.permeability=1e-24 --set maximum_solve_time=0.5", 1);
+    assert!(message.contains("then maximum_solve_time is over"), "{message}");
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}
+
+#[test]
 fn what_cannot_be_solved_is_explained_with_exit_code_1() {
     // Deeper than the two layers are thick.
     let message = refused(&format!("solve {COARSE} --penetration-depth 9e-3"), 1);
@@ -273,6 +303,25 @@ fn package_writes_both_fmus_and_says_where() {
     for file in made {
         assert!(std::fs::read(folder.path().join(file)).unwrap().starts_with(b"PK"), "{file}");
     }
+}
+
+#[test]
+fn either_fmu_may_be_named_and_one_that_is_there_is_replaced_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_in(folder.path(), "package --output x.fmi3.fmu");
+    assert_eq!(out(&output).lines().collect::<Vec<_>>(), ["x.fmu", "x.fmi3.fmu"]);
+    let good = std::fs::read(folder.path().join("x.fmu")).unwrap();
+    #[cfg(unix)]
+    {
+        // A disk with room for half a megabyte.
+        let program = env!("CARGO_BIN_EXE_cartilage-contact");
+        let command = format!("trap '' XFSZ; ulimit -f 1000; exec {program} package --output x.fmu");
+        let output = Command::new("sh").args(["-c", &command]).current_dir(folder.path()).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("x.fmu: could not write"));
+    }
+    assert_eq!(std::fs::read(folder.path().join("x.fmu")).unwrap(), good);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside");
 }
 
 #[test]

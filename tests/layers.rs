@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// The layers from the bottom; those in one row do not use each other unless they are one module.
 const LAYERS: [&[&str]; 10] = [
     &["error", "units", "laws"],
-    &["parameters", "fem", "solver"],
-    &["equations"],
+    &["parameters", "fem", "solver", "files"],
+    &["equations", "memory"],
     &["outputs", "fields"],
     &["simulation"],
     &["sweep"],

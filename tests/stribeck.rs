@@ -60,7 +60,10 @@ fn the_table_has_the_names_of_the_variables_and_is_in_order() {
     let csv = folder.path().join("stribeck.csv");
     let (header, rows) = table(&csv);
     assert_eq!(header[..3], ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"]);
-    assert!(header[3..].iter().eq(variables::scalar_outputs().map(|row| &row.name)));
+    let (case, results) = header[3..].split_last().unwrap();
+    assert!(results.iter().eq(variables::scalar_outputs().map(|row| &row.name)));
+    assert_eq!(case, "case");
+    assert!(rows.iter().all(|row| row.last() == rows[0].last() && row.last().unwrap().len() == 32));
     assert_eq!(rows.len(), 14);
     assert_eq!(column(&csv, "sliding_speed"), [[0.1; 7], [0.2; 7]].concat());
     let depths = [-10e-6, -5e-6, 0.0, 5e-6, 10e-6, 15e-6, 20e-6];
@@ -119,6 +122,160 @@ fn a_stopped_run_goes_on_and_another_case_is_refused() {
     done(&format!("{sweep} --set viscosity=2e-3 --fresh"));
     assert!(!std::fs::read_to_string(&csv).unwrap().contains(&kept));
     assert!(std::fs::read_to_string(folder.path().join("case.toml")).unwrap().contains("viscosity = 2e-3"));
+}
+
+#[test]
+fn rows_and_case_are_never_mistaken_for_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, case) = (folder.path().join("stribeck.csv"), folder.path().join("case.toml"));
+    let sweep = format!("stribeck {COARSE} --depths -10e-6:-5e-6:5e-6 --output {}", folder.path().display());
+    done(&sweep);
+    let (rows, old) = (std::fs::read(&csv).unwrap(), std::fs::read_to_string(&case).unwrap());
+
+    // A new case beside old rows, as a run leaves them that was stopped at a bad moment.
+    std::fs::write(&case, old.replace("viscosity = 1e-3", "viscosity = 2e-3")).unwrap();
+    let message = refused(&format!("{sweep} --set viscosity=2e-3"), 1);
+    assert!(message.contains("rows carry another hash"), "{message}");
+    assert_eq!(std::fs::read(&csv).unwrap(), rows);
+    std::fs::remove_file(&case).unwrap();
+    assert!(done(&sweep).contains("2 of 2 states are in"), "the rows say whose they are");
+    assert_eq!(std::fs::read_to_string(&case).unwrap(), old);
+
+    // A fresh run that cannot replace the table leaves the case alone.
+    std::fs::remove_file(&csv).unwrap();
+    std::fs::create_dir(&csv).unwrap();
+    let message = refused(&format!("{sweep} --set viscosity=2e-3 --fresh"), 1);
+    assert!(message.contains("stribeck.csv: could not write"), "{message}");
+    assert_eq!(std::fs::read_to_string(&case).unwrap(), old);
+}
+
+fn spawn(arguments: &str) -> std::process::Child {
+    let quiet = std::process::Stdio::null;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cartilage-contact"));
+    command.args(arguments.split_whitespace()).stdout(quiet()).stderr(quiet()).spawn().unwrap()
+}
+
+#[test]
+fn one_run_writes_to_a_folder_at_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().display();
+    let mut first = spawn(&format!("stribeck --depths 0:100e-6:1e-6 --output {output}"));
+    while !folder.path().join("case.toml").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    for other in [
+        format!("stribeck {COARSE} --depths 0 --fresh --output {output}"),
+        format!("gait {COARSE} --steps 4 --output {output}"),
+        format!("sensitivity {COARSE} --output {output}"),
+    ] {
+        assert!(refused(&other, 1).contains("another process is writing to this folder"), "{other}");
+    }
+    // A killed process leaves no lock behind.
+    first.kill().unwrap();
+    first.wait().unwrap();
+    done(&format!("stribeck {COARSE} --depths 0 --fresh --output {output}"));
+}
+
+/// Kills sweeps at random moments, and lets the last one finish: every state is there once, and is that of an undisturbed sweep.
+fn kill_sweeps(times: u64) {
+    // Full films: in solid contact on so few elements there are depths with two solutions, of more and of fewer stations in contact.
+    let (disturbed, whole) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let sweep = |folder: &Path| {
+        format!("stribeck {COARSE} --depths -40e-6:5e-6:0.5e-6 --threads 2 --output {}", folder.display())
+    };
+    let mut random = 20_240_229_u64;
+    for round in 0..times {
+        let mut child = spawn(&sweep(disturbed.path()));
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        std::thread::sleep(std::time::Duration::from_millis((random >> 33) % 300));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        if round % 5 == 4 {
+            // Another case is refused, or solved where there is no row yet; its rows would then be refused in turn.
+            let folder = disturbed.path();
+            let other =
+                run(&format!("stribeck {COARSE} --set viscosity=2e-3 --depths 0 --output {}", folder.display()));
+            if other.status.success() {
+                std::fs::remove_file(folder.join("stribeck.csv")).unwrap();
+            } else {
+                assert!(text(&other.stderr).contains("of another case"), "{}", text(&other.stderr));
+            }
+        }
+    }
+    done(&sweep(disturbed.path()));
+    done(&sweep(whole.path()));
+    let [disturbed, whole] = [&disturbed, &whole].map(|folder| folder.path().join("stribeck.csv"));
+    for name in ["penetration_depth", "load", "minimum_film_thickness"] {
+        let (found, expected) = (column(&disturbed, name), column(&whole, name));
+        assert_eq!(found.len(), 91);
+        let largest = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-5 * largest, "{name}: {off} of {largest}");
+    }
+    let (_, rows) = table(&disturbed);
+    assert!(rows.iter().all(|row| row.last() == table(&whole).1[0].last()));
+}
+
+#[test]
+fn killed_sweeps_go_on() {
+    kill_sweeps(10);
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn sweeps_that_are_killed_many_times_go_on() {
+    kill_sweeps(200);
+}
+
+/// A disk that is full after so many kilobytes, as far as one file can tell: the limit on the size of files.
+#[cfg(unix)]
+fn with_little_room(kilobytes: usize, arguments: &str) -> Output {
+    let program = env!("CARGO_BIN_EXE_cartilage-contact");
+    let command = format!("trap '' XFSZ; ulimit -f {}; exec {program} {arguments}", 2 * kilobytes);
+    Command::new("sh").args(["-c", &command]).output().unwrap()
+}
+
+#[test]
+#[cfg(unix)]
+fn a_full_disk_is_said_at_the_first_row_that_does_not_fit() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("stribeck.csv");
+    let sweep =
+        format!("stribeck {COARSE} --depths -40e-6:-20e-6:0.1e-6 --threads 1 --output {}", folder.path().display());
+    let output = with_little_room(8, &sweep);
+    assert_eq!(output.status.code(), Some(1));
+    let message = text(&output.stderr);
+    assert!(message.contains("stribeck.csv: could not write"), "{message}");
+    assert!(!folder.path().join("stribeck.parquet").exists(), "the sweep ends there");
+    let rows = std::fs::read_to_string(&csv).unwrap().lines().count();
+    assert!((5..60).contains(&rows), "{rows} lines fit");
+    // With room again it goes on from what fits.
+    assert!(done(&sweep).contains("of 201 states are in"));
+    assert_eq!(column(&csv, "load").len(), 201);
+
+    // What is replaced whole stays as it was.
+    let gait = format!(
+        "gait --set=mesh.columns=8 --set=mesh.rows=1 --steps 16 --cycles 1 --output {}",
+        folder.path().display()
+    );
+    done(&gait);
+    let old = std::fs::read(folder.path().join("gait.csv")).unwrap();
+    let output = with_little_room(2, &gait);
+    assert!(text(&output.stderr).contains("gait.csv: could not write"), "{}", text(&output.stderr));
+    assert_eq!(std::fs::read(folder.path().join("gait.csv")).unwrap(), old);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_said_before_anything_is_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let start = std::time::Instant::now();
+    for command in ["stribeck", "sensitivity", "gait", "reduce"] {
+        let message = refused(&format!("{command} --output {}/below", file.display()), 1);
+        assert!(message.contains("could not write"), "{command}: {message}");
+    }
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
 }
 
 #[test]

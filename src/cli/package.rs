@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use cartilage_contact::files;
 use cartilage_contact::fmi::archive;
 use cartilage_contact::fmi::standard::Standard;
 use cartilage_contact::reduced::ReducedModel;
@@ -29,17 +30,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("{}\n{}\n", fmi2.display(), fmi3.display()))
 }
 
+/// The libraries to pack: those that were named, or the one beside this program.
+fn packed(libraries: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    if !libraries.is_empty() {
+        return Ok(libraries.to_vec());
+    }
+    let program = std::env::current_exe().map_err(|error| {
+        Failure::Failed(format!("could not find out where this program is: {error}; name the library with --library"))
+    })?;
+    Ok(vec![archive::library_beside(&program)])
+}
+
+/// Sees that both FMUs can be packed and written, before anything is computed for them.
+pub fn prepare(libraries: &[PathBuf], output: &Path) -> Result<(), Failure> {
+    archive::binaries(&packed(libraries)?, Standard::Fmi2)?;
+    Ok(archive::outputs(output).iter().try_for_each(|output| files::prepare(output))?)
+}
+
 /// Writes both FMUs, and the folder they go into if that is missing; returns where they are.
 pub fn package(libraries: &[PathBuf], reduced: Option<&ReducedModel>, output: &Path) -> Result<[PathBuf; 2], Failure> {
-    let mut libraries = libraries.to_vec();
-    if libraries.is_empty() {
-        libraries.push(archive::library_beside(&std::env::current_exe().map_err(|error| {
-            Failure::Failed(format!(
-                "could not find out where this program is: {error}; name the library with --library"
-            ))
-        })?));
-    }
-    let outputs = [output.to_owned(), archive::beside(output)];
+    let libraries = packed(libraries)?;
+    let outputs = archive::outputs(output);
     archive::package(&libraries, Standard::Fmi2, reduced, &outputs[0])?;
     archive::package(&libraries, Standard::Fmi3, reduced, &outputs[1])?;
     Ok(outputs)

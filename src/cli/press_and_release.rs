@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use cartilage_contact::files;
 use cartilage_contact::outputs::{Regime, STATIONS};
 use cartilage_contact::variables::{self, Type};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -51,8 +52,7 @@ pub fn run() -> Result<(), Failure> {
 
     let stem = fmu.with_file_name("press_and_release");
     let csv = stem.with_extension("csv");
-    write_csv(&csv, &recording)
-        .map_err(|error| Failure::Failed(format!("could not write {}: {error}", csv.display())))?;
+    files::replace(&csv, &to_csv(&recording).map_err(|error| files::unwritten(&csv, error))?)?;
     let film = Film {
         time: recording.column("time"),
         depth: recording.column("penetration_depth"),
@@ -169,11 +169,11 @@ fn table(recording: &Recording) -> String {
     text
 }
 
-fn write_csv(path: &Path, recording: &Recording) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_path(path)?;
+fn to_csv(recording: &Recording) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(recording.names.iter().map(String::as_str).chain(["lubrication_regime"]))?;
     for (row, regime) in recording.rows.iter().zip(&recording.regimes) {
         writer.write_record(row.iter().map(f64::to_string).chain([(*regime).to_owned()]))?;
     }
-    Ok(writer.flush()?)
+    writer.into_inner().map_err(|error| error.into_error().into())
 }

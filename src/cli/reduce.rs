@@ -6,7 +6,7 @@ use cartilage_contact::reduced::{Progress, Range, ReducedModel, Tolerance};
 
 use super::case::CaseArguments;
 use super::figures::reduced;
-use super::package::{DEFAULT_OUTPUT, package};
+use super::package::{DEFAULT_OUTPUT, package, prepare};
 use super::stribeck::progress;
 use super::{Failure, print};
 
@@ -57,6 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         slide_to_roll_ratio: case.inputs.slide_to_roll_ratio,
     };
     let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    prepare(&arguments.library, &arguments.output)?;
     let bar = progress(0);
     let tolerance = Tolerance::default();
     let model = ReducedModel::build(&case.parameters, range, tolerance, threads, &|Progress { solved, planned }| {
@@ -73,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let mut written = package(&arguments.library, Some(&model), &arguments.output)?.to_vec();
     if arguments.picture {
-        written.extend(reduced::save(&beside(&arguments.output), &model, &tolerance)?);
+        written.extend(reduced::save(&beside(&written[0]), &model, &tolerance)?);
     }
     let written: String = written.iter().map(|path| format!("  {}\n", path.display())).collect();
     print(&format!("{model}\n{missed}\nWrote\n{written}"))

@@ -1,9 +1,11 @@
 //! `cartilage-contact sensitivity`: how load, friction and film answer to changes of each parameter.
 
-use std::path::{Path, PathBuf};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use cartilage_contact::error::Error;
+use cartilage_contact::files::{self, OutputFolder, unwritten};
 use cartilage_contact::io::case::Case;
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Inputs, Value};
@@ -90,18 +92,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Error::value("--change", change, "a share from 1e-6 to 0.9, such as 0.2 for 20 %").into());
     }
     let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let folder = OutputFolder::open(&arguments.output)?;
     let responses = responses(&case, &depths, change, threads)?;
 
-    std::fs::create_dir_all(&arguments.output).map_err(|error| unwritten(&arguments.output, error))?;
-    let csv = arguments.output.join("sensitivity.csv");
-    write_csv(&csv, &depths, &responses).map_err(|error| unwritten(&csv, error))?;
-    let [svg, png] = figures::tornado::save(&arguments.output.join("sensitivity"), &depths, &responses)?;
+    let csv = folder.path().join("sensitivity.csv");
+    let text = to_csv(&depths, &responses).map_err(|error| unwritten(&csv, error))?;
+    files::replace(&csv, &text)?;
+    let [svg, png] = figures::tornado::save(&folder.path().join("sensitivity"), &depths, &responses)?;
     print(&table(&depths, &responses))?;
     print(&format!("\nWrote {}, {} and {}\n", csv.display(), svg.display(), png.display()))
-}
-
-fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
-    Error::File { path: path.display().to_string(), message: format!("could not write: {error}") }
 }
 
 /// The case with one parameter multiplied by 1 + change, or as much as is allowed, and by what it was multiplied; `None` where
@@ -135,7 +134,10 @@ fn responses(case: &Case, depths: &[f64], change: f64, threads: usize) -> Result
     std::thread::scope(|scope| {
         for _ in 0..threads.max(1) {
             scope.spawn(|| {
-                while let Some(index) = next.lock().unwrap_or_else(PoisonError::into_inner).next() {
+                loop {
+                    // Not in a `while let`, which would hold the lock while the case is solved.
+                    let index = next.lock().unwrap_or_else(PoisonError::into_inner).next();
+                    let Some(index) = index else { break };
                     let (_, label, change, case) = &cases[index];
                     let points: Vec<_> =
                         depths.iter().map(|d| Inputs { penetration_depth: *d, ..case.inputs }).collect();
@@ -148,6 +150,7 @@ fn responses(case: &Case, depths: &[f64], change: f64, threads: usize) -> Result
                             Err(error) => bar.suspend(|| eprintln!("failed: {label} {}: {error}", percent(*change))),
                         }
                         bar.inc(1);
+                        ControlFlow::Continue(())
                     });
                     if let Err(error) = result {
                         *trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
@@ -178,8 +181,8 @@ fn percent(share: f64) -> String {
     if share.is_nan() { "-".into() } else { format!("{:+.1} %", 100.0 * share) }
 }
 
-fn write_csv(path: &Path, depths: &[f64], responses: &[Response]) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_path(path)?;
+fn to_csv(depths: &[f64], responses: &[Response]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
     let names = RESULTS.map(|(name, _)| format!("{name}_relative_change"));
     let head = ["parameter", "relative_change", "penetration_depth"].map(str::to_owned);
     writer.write_record(head.iter().chain(&names))?;
@@ -191,7 +194,7 @@ fn write_csv(path: &Path, depths: &[f64], responses: &[Response]) -> Result<(), 
             writer.write_record([response.parameter.to_owned()].iter().chain(&numbers).chain(&cells))?;
         }
     }
-    Ok(writer.flush()?)
+    writer.into_inner().map_err(|error| error.into_error().into())
 }
 
 /// The table as Markdown.

@@ -1,5 +1,6 @@
 //! `cartilage-contact validate`: the studies whose results stand in docs/validation.md, as Markdown tables.
 
+use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use cartilage_contact::laws::Formulation;
@@ -90,6 +91,7 @@ fn solve(
             Err(error) => bar.suspend(|| eprintln!("{what}: {error}")),
         }
         bar.inc(1);
+        ControlFlow::Continue(())
     })?;
     bar.finish_and_clear();
     Ok(results.into_inner().unwrap_or_else(PoisonError::into_inner))

@@ -6,10 +6,6 @@
 use crate::fem::mesh::{graded, quadratic_stations};
 use crate::parameters::{Body, Control, Inputs, MeshDistribution, Parameters};
 
-/// Columns and rows of a mesh whose numbers are not set.
-const COLUMNS: i32 = 96;
-const ROWS: i32 = 10;
-
 /// The nodes of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
@@ -24,12 +20,6 @@ pub struct Grid {
 /// Whether the nodes go with the contact.
 pub fn moves(parameters: &Parameters) -> bool {
     parameters.sector_half_angle == 0.0 || parameters.mesh_distribution == MeshDistribution::Contact
-}
-
-/// Elements along the surface and through the thickness.
-pub fn elements(parameters: &Parameters) -> [i32; 2] {
-    let mesh = &parameters.mesh;
-    [if mesh.columns == 0 { COLUMNS } else { mesh.columns }, if mesh.rows == 0 { ROWS } else { mesh.rows }]
 }
 
 /// Sum of the two curvatures [1/m].
@@ -164,7 +154,7 @@ impl Grid {
     pub fn new(parameters: &Parameters, contact: f64) -> Self {
         let p = parameters;
         let half_width = half_width(p, contact);
-        let [columns, rows] = elements(p);
+        let [columns, rows] = p.elements();
         let by_contact = p.mesh_distribution == MeshDistribution::Contact;
         let count = columns as usize;
         let stations = if by_contact {

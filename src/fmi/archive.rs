@@ -2,7 +2,6 @@
 //!
 //! Equal input gives equal bytes: the order is fixed, and every entry has the same date.
 
-use std::fs::File;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +9,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::error::Error;
+use crate::files;
 use crate::fmi::resources::REDUCED_MODEL;
 use crate::fmi::standard::Standard;
 use crate::fmi::{MODEL_IDENTIFIER, description, documentation};
@@ -48,22 +48,24 @@ fn is_elf(bytes: &[u8], machine: u8) -> bool {
     bytes.starts_with(b"\x7fELF\x02") && bytes.get(18) == Some(&machine)
 }
 
-/// Where the FMU of FMI 3 goes: beside that of FMI 2, because a file can have only one `modelDescription.xml`.
-pub fn beside(output: &Path) -> PathBuf {
-    output.with_extension("fmi3.fmu")
+/// Where the FMUs of FMI 2 and FMI 3 go, beside each other because a file can have only one `modelDescription.xml`; either may be
+/// named.
+pub fn outputs(output: &Path) -> [PathBuf; 2] {
+    const FMI3: &str = "fmi3.fmu";
+    let name = output.file_name().unwrap_or_default().to_string_lossy();
+    let fmi2 = match name.strip_suffix(FMI3) {
+        Some(stem) if stem.len() > 1 && stem.ends_with('.') => output.with_file_name(format!("{stem}fmu")),
+        _ => output.to_owned(),
+    };
+    let fmi3 = fmi2.with_extension(FMI3);
+    [fmi2, fmi3]
 }
 
-/// Writes an FMU with these libraries in it, one a platform, with the real-time model where there is one, and the folder that `output` is
-/// in.
+/// The libraries under their names in the archive.
 ///
 /// # Errors
-/// [`Error::File`] saying which file is missing or cannot be written, and what to do.
-pub fn package(
-    libraries: &[PathBuf],
-    standard: Standard,
-    reduced: Option<&ReducedModel>,
-    output: &Path,
-) -> Result<(), Error> {
+/// [`Error::File`] saying which is missing or none of this FMU, and what to do.
+pub fn binaries(libraries: &[PathBuf], standard: Standard) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let mut binaries = Vec::new();
     for library in libraries {
         let path = library.display().to_string();
@@ -82,16 +84,25 @@ pub fn package(
             binaries.push((format!("binaries/{folder}/{MODEL_IDENTIFIER}.{ending}"), bytes));
         }
     }
-    let failed = |error: &dyn std::fmt::Display| Error::File {
-        path: output.display().to_string(),
-        message: format!("cannot write the FMU: {error}"),
-    };
+    Ok(binaries)
+}
+
+/// Writes an FMU with these libraries in it, one a platform, with the real-time model where there is one, and the folder that `output` is
+/// in. An FMU that is there already is replaced once the new one is whole.
+///
+/// # Errors
+/// [`Error::File`] saying which file is missing or cannot be written, and what to do.
+pub fn package(
+    libraries: &[PathBuf],
+    standard: Standard,
+    reduced: Option<&ReducedModel>,
+    output: &Path,
+) -> Result<(), Error> {
+    let binaries = binaries(libraries, standard)?;
     let reduced = reduced.map(ReducedModel::to_bytes).transpose()?;
-    let archive = archive(&binaries, standard, reduced.as_deref()).map_err(|error| failed(&error))?;
-    if let Some(folder) = output.parent() {
-        std::fs::create_dir_all(folder).map_err(|error| failed(&error))?;
-    }
-    File::create(output).and_then(|mut file| file.write_all(&archive)).map_err(|error| failed(&error))
+    let archive = archive(&binaries, standard, reduced.as_deref()).map_err(|error| files::unwritten(output, error))?;
+    files::prepare(output)?;
+    files::replace(output, &archive)
 }
 
 fn archive(
@@ -134,4 +145,17 @@ fn archive(
         zip.write_all(content)?;
     }
     Ok(zip.finish()?.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_fmu_may_be_named() {
+        for name in ["a.b/x.fmu", "a.b/x.fmi3.fmu"] {
+            assert_eq!(outputs(Path::new(name)), ["a.b/x.fmu", "a.b/x.fmi3.fmu"].map(PathBuf::from));
+        }
+        assert_eq!(outputs(Path::new("fmi3.fmu")), ["fmi3.fmu", "fmi3.fmi3.fmu"].map(PathBuf::from));
+    }
 }

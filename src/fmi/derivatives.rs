@@ -81,8 +81,12 @@ impl Instance {
         for element in self.standard.elements(knowns)? {
             let mut rates = [0.0; Input::ALL.len()];
             rates[as_input(element.row()?)? as usize] = 1.0;
-            let slopes = unknowns.iter().map(|(variable, seed)| Ok(seed * self.rate(variable, &rates)?));
-            found.push(slopes.sum::<Answer<f64>>()?);
+            let mut sum = 0.0;
+            for (variable, seed) in &unknowns {
+                // A seed may be so large that the sum is no number, where every derivative is one.
+                sum = finite(variable, Some(sum + seed * self.rate(variable, &rates)?))?;
+            }
+            found.push(sum);
         }
         fill(values, &found)
     }

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use uuid::Uuid;
+use uuid::fmt::Hyphenated;
 
 use crate::fmi::MODEL_IDENTIFIER;
 use crate::fmi::instance::{Answer, refuse};
@@ -25,34 +26,39 @@ const GENERATION_DATE: &str = "2026-11-22T00:00:00Z";
 pub const SUMMARY: &str = "Lubrication of cartilage on cartilage in a line contact: fluid film, poroelastic layers, \
     solid contact and boundary friction, quasi-steady or in time";
 
-/// `modelDescription.xml` and its token: a hash of everything else in it, so that a library and a description that do not
-/// belong together are found out.
-pub struct Description {
-    /// The text.
-    pub xml: String,
-    /// FMI 2's GUID, FMI 3's instantiation token.
-    pub token: String,
-}
+/// FMI 2's GUID, FMI 3's instantiation token: a hash of everything else in `modelDescription.xml`, so that a library and a
+/// description that do not belong together are found out.
+struct Token([u8; Hyphenated::LENGTH]);
 
-impl Description {
-    fn new(version: &str, token_name: &str, body: &str) -> Self {
-        let token = Uuid::new_v5(&Uuid::NAMESPACE_OID, body.as_bytes()).to_string();
-        let xml = format!(
+impl Token {
+    fn new(body: &str) -> Self {
+        let mut text = [0; Hyphenated::LENGTH];
+        Uuid::new_v5(&Uuid::NAMESPACE_OID, body.as_bytes()).hyphenated().encode_lower(&mut text);
+        Self(text)
+    }
+
+    fn text(&self) -> &str {
+        std::str::from_utf8(&self.0).unwrap_or_default()
+    }
+
+    /// `modelDescription.xml`.
+    fn document(&self, version: &str, name: &str, body: &str) -> String {
+        format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription\n  fmiVersion=\"{version}\"\n  \
-             modelName=\"{MODEL_IDENTIFIER}\"\n  {token_name}=\"{token}\"\n{body}"
-        );
-        Self { xml, token }
+             modelName=\"{MODEL_IDENTIFIER}\"\n  {name}=\"{}\"\n{body}",
+            self.text()
+        )
     }
 
     /// Refuses an instance whose importer read another description.
     ///
     /// # Errors
     /// A message that says which token is right.
-    pub fn check_token(&self, name: &str, given: Option<String>) -> Answer<()> {
-        if given.as_deref() == Some(&self.token) {
+    fn check(&self, name: &str, given: Option<String>) -> Answer<()> {
+        if given.as_deref() == Some(self.text()) {
             return Ok(());
         }
-        let (given, token) = (given.unwrap_or_default(), &self.token);
+        let (given, token) = (given.unwrap_or_default(), self.text());
         refuse(format!("{name} = \"{given}\" is not allowed: modelDescription.xml of this library has {token}"))
     }
 }

@@ -62,7 +62,9 @@ pub fn reduced_model(location: Option<&str>, parameters: &Parameters) -> Result<
         ))
     })?;
     let model = ReducedModel::from_bytes(&bytes).map_err(|error| failed(error.to_string()))?;
-    let wanted = Parameters { fidelity: Fidelity::Full, ..*parameters };
+    // How long a solution may take changes none.
+    let maximum_solve_time = model.parameters().maximum_solve_time;
+    let wanted = Parameters { fidelity: Fidelity::Full, maximum_solve_time, ..*parameters };
     let differing: Vec<String> = (PARAMETERS.into_iter())
         .map(|row| (row.name, row.get(model.parameters()), row.get(&wanted)))
         .filter(|(_, there, here)| there != here)

@@ -98,3 +98,65 @@ fn check_sum(payload: &[u8]) -> Uuid {
     );
     Uuid::new_v5(&writer, payload)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi::instance::Instance;
+    use crate::fmi::log::Log;
+    use crate::fmi::standard::Standard;
+
+    /// Bytes that were altered and then given the right check sum: refused, or a state that can be gone on from or refused.
+    fn mutate(times: u32) {
+        let mut instance = Instance::new(Standard::Fmi2, Log::new(false));
+        (instance.settings.parameters.mesh.columns, instance.settings.parameters.mesh.rows) = (8, 1);
+        instance.setup_experiment(None, 0.0, None).unwrap();
+        instance.enter_initialization_mode().unwrap();
+        instance.exit_initialization_mode().unwrap();
+        let saved = instance.save();
+        let good = saved.to_bytes().unwrap();
+        let start = MAGIC.len() + CHECK_SUM_LENGTH;
+        let mut random = 1_u64;
+        let mut next = |below: usize| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) as usize % below
+        };
+        let (mut read, mut restored) = (0, 0);
+        for _ in 0..times {
+            let mut payload = good[start..].to_vec();
+            for _ in 0..=next(3) {
+                let place = next(payload.len());
+                match next(4) {
+                    0 => payload[place] = next(256) as u8,
+                    1 => payload[place] ^= 1 << next(8),
+                    2 => payload.truncate(place.max(1)),
+                    _ => payload.insert(place, next(256) as u8),
+                }
+            }
+            let bytes = [MAGIC, check_sum(&payload).as_bytes(), &payload].concat();
+            let Ok(state) = SavedState::from_bytes(&bytes) else { continue };
+            read += 1;
+            // Another mesh would only take long.
+            if state.settings.parameters.mesh != saved.settings.parameters.mesh || instance.restore(&state).is_err() {
+                continue;
+            }
+            restored += 1;
+            instance.settings.parameters.maximum_solve_time = 0.1;
+            let time = instance.time();
+            let _ = instance.do_step(time, 0.1);
+            instance.restore(&saved).unwrap();
+        }
+        assert!(read > times / 20 && restored > times / 40, "{read} read, {restored} restored of {times}");
+    }
+
+    #[test]
+    fn altered_states_are_refused_or_gone_on_from() {
+        mutate(300);
+    }
+
+    #[test]
+    #[ignore = "minutes"]
+    fn many_altered_states_are_refused_or_gone_on_from() {
+        mutate(100_000);
+    }
+}

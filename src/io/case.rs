@@ -22,7 +22,7 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use crate::error::Error;
 use crate::parameters::{Inputs, PARAMETERS, Parameters, Value};
-use crate::variables;
+use crate::variables::{self, Type, VARIABLES, Variable};
 
 /// Parameters and inputs that belong together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -52,8 +52,12 @@ impl Case {
     /// [`Error::Case`] with the line of the first mistake.
     pub fn parse(file: &str, text: &str) -> Result<Self, Error> {
         let line_of = |offset: usize| text.bytes().take(offset).filter(|&byte| byte == b'\n').count() + 1;
-        let mistake =
-            |offset: usize, message: String| Error::Case { file: file.into(), line: line_of(offset), message };
+        let mistake = |offset: usize, mut message: String| {
+            if let Some((end, _)) = message.char_indices().nth(LONGEST_MESSAGE) {
+                message.replace_range(end.., "...");
+            }
+            Error::Case { file: file.into(), line: line_of(offset), message }
+        };
         let table = DeTable::parse(text).map_err(|error| {
             mistake(error.span().map_or(0, |span| span.start), format!("not valid TOML: {}", error.message()))
         })?;
@@ -104,7 +108,12 @@ impl Case {
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let mut changed = *self;
         for full in bodies(name) {
-            variables::set(&mut changed.parameters, &mut changed.inputs, &full, value)
+            let whole = match (variables::find(&full).map(Variable::data_type), value) {
+                // 24.0 columns are 24.
+                (Ok(Type::Integer), Value::Real(v)) if v.fract() == 0.0 && v.abs() < 1e9 => Value::Integer(*v as i64),
+                _ => value.clone(),
+            };
+            variables::set(&mut changed.parameters, &mut changed.inputs, &full, &whole)
                 .map_err(|error| named_as_given(error, name, &full))?;
         }
         *self = changed;
@@ -113,6 +122,9 @@ impl Case {
 }
 
 const BOTH: &str = "both.";
+
+/// Characters of a message: a file may have a value or a key of any length.
+const LONGEST_MESSAGE: usize = 2000;
 
 /// The variables that a name in a case stands for.
 fn bodies(name: &str) -> Vec<String> {
@@ -156,7 +168,9 @@ fn flatten<'a>(prefix: &str, table: &'a DeTable<'a>, entries: &mut Vec<Entry<'a>
     };
     for (name, key, value) in table.iter().map(row) {
         match value {
-            DeValue::Table(inner) if variables::find(&name).is_err() => flatten(&format!("{name}."), inner, entries),
+            DeValue::Table(inner) if VARIABLES.iter().all(|row| row.name != name) => {
+                flatten(&format!("{name}."), inner, entries)
+            }
             DeValue::Table(_) => entries.push(Entry { name, key, value: Err("a table") }),
             _ => entries.push(Entry { name, key, value: Ok(value) }),
         }
@@ -290,6 +304,29 @@ mod tests {
         assert!(error.starts_with("case.toml:2: not valid TOML: duplicate key"), "{error}");
         let error = message("width = 1\n[both]\nthickness = 0.09");
         assert!(error.starts_with("case.toml:3: upper.thickness = 0.09 is not allowed: less than half of"), "{error}");
+    }
+
+    #[test]
+    fn whole_numbers_may_be_written_as_real_ones() {
+        assert_eq!(Case::parse("f", "mesh.columns = 24.0").unwrap(), Case::parse("f", "mesh.columns = 24").unwrap());
+        assert!(message("mesh.columns = 24e9").contains("a whole number from 8 to 2000"));
+    }
+
+    #[test]
+    fn a_file_of_any_size_is_answered_at_once() {
+        let long = "k".repeat(5_000_000);
+        let start = std::time::Instant::now();
+        for text in [
+            format!("{long} = 1"),
+            format!("[{long}]\nviscosity = 1"),
+            format!("formulation = '{long}'"),
+            format!("viscosity = {}", "1".repeat(1_000_000)),
+            (0..100_000).map(|i| format!("[k{i}]\n")).collect::<String>() + "[upper]\nwrong = 1",
+        ] {
+            let message = message(&text);
+            assert!(message.starts_with("case.toml:") && message.len() < 3000, "{} characters", message.len());
+        }
+        assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
     }
 
     #[test]

@@ -350,6 +350,11 @@ static SOLID_ROWS: [Parameter; 10] = body_rows! {
         "Coefficient of the exponential in the fibres' strain energy, 0 for a power law,";
 };
 
+static WORK_ROWS: [Parameter; 1] = rows! {
+    508 maximum_solve_time: real(Unit::Second, 0.0, 1e9, 1e2),
+        "After so long a solution is given up and the last one kept; 0 is never";
+};
+
 static JOINT_ROWS: [Parameter; 8] = rows! {
     500 "mesh.distribution" at mesh_distribution: choice(
         MeshDistribution::Graded => "graded": "By mesh.column_grading and mesh.row_grading, on a mesh that stays",
@@ -373,7 +378,7 @@ static JOINT_ROWS: [Parameter; 8] = rows! {
         "Share of the fluid's pressure in real contact that boundary friction feels as well (phi of Ateshian; rough surfaces)";
 };
 
-const PARTS: [&[Parameter]; 8] = [
+const PARTS: [&[Parameter]; 9] = [
     &BODY_ROWS,
     &COMMON_ROWS,
     &STRAIN_DEPENDENCE_ROWS,
@@ -382,6 +387,7 @@ const PARTS: [&[Parameter]; 8] = [
     &CAVITATION_ROWS,
     &JOINT_ROWS,
     &SOLID_ROWS,
+    &WORK_ROWS,
 ];
 
 const COUNT: usize = {

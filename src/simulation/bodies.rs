@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::equations::grid;
 use crate::equations::system::{At, Direction, Rates, Residual, System, boundary_friction};
 use crate::parameters::{Control, Inputs, Parameters};
+use crate::solver::deadline::Deadline;
 use crate::solver::linear::{FIXED, Singular};
 use crate::solver::newton;
 pub(super) use crate::solver::newton::Foreseen;
@@ -105,6 +106,8 @@ pub(super) struct Task<'a> {
 #[derive(Debug)]
 pub(super) struct Bodies {
     pub parameters: Parameters,
+    /// Of the solution that is being looked for.
+    pub deadline: Deadline,
     threads: usize,
     mirrored: Option<System>,
     full: Option<System>,
@@ -116,7 +119,14 @@ impl Bodies {
         let equal = parameters.upper == parameters.lower;
         let system = System::new(parameters, equal, grid::contact_half_width(parameters, &Inputs::default()));
         let (mirrored, full) = if equal { (Some(system), None) } else { (None, Some(system)) };
-        Self { parameters: *parameters, threads: 1, mirrored, full, tangent: Tangent::default() }
+        Self {
+            parameters: *parameters,
+            deadline: Deadline::default(),
+            threads: 1,
+            mirrored,
+            full,
+            tangent: Tangent::default(),
+        }
     }
 
     pub fn set_threads(&mut self, threads: usize) {

@@ -16,8 +16,10 @@ use self::transient::Motion;
 use crate::equations::system::{Rates, System};
 use crate::error::Error;
 use crate::fields::{Fields, Solution};
+use crate::memory;
 use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
 use crate::parameters::{Fidelity, Inputs, Parameters, TimeIntegration};
+use crate::solver::deadline::Deadline;
 
 /// The continuous inputs, in the order of the derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,6 +97,7 @@ impl Simulation {
         if parameters.fidelity == Fidelity::Reduced {
             return Err(Error::value("fidelity", "reduced", "full: only an FMU has a reduced model in its resources"));
         }
+        memory::check(parameters, 1)?;
         let mut bodies = Bodies::new(parameters);
         let position = profile_stations(bodies.system(bodies.equal()).half_width());
         Ok(Self {
@@ -152,6 +155,7 @@ impl Simulation {
             self.solve_steady(drive.inputs)?;
         }
         let Some(state) = &self.state else { return Ok(()) };
+        self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
         let motion = match &state.path {
             Path::Steady(..) => None,
             Path::Transient(motion) => Some(&**motion),
@@ -182,6 +186,7 @@ impl Simulation {
             },
         });
         let mut iterations = 0;
+        self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
         let Steady { point, kept, before } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
         self.accept(State { point, iterations: iterations as i32, drive, duration, path: Path::Steady(kept, before) });
         Ok(())

@@ -330,7 +330,8 @@ fn settle(
     kept: Option<(&Place, Foreseen)>,
 ) -> (Result<Steady, String>, usize) {
     let tolerance = bodies.parameters.tolerance;
-    let settings = newton::Settings { tolerance, maximum_iterations: limit, patience: PATIENCE };
+    let settings =
+        newton::Settings { tolerance, maximum_iterations: limit, patience: PATIENCE, deadline: bodies.deadline };
     let task = Task { inputs: target, rates: None, control, settings, kept };
     let (result, spent) = bodies.settle(guess, &task);
     let kept = bodies.place().map(|place| Box::new(Kept { place: place.clone(), miss: None }));
@@ -355,7 +356,12 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
     let approach = (target.penetration_depth - from.inputs.penetration_depth).abs();
     let thickness = bodies.parameters.upper.thickness.min(bodies.parameters.lower.thickness);
     let stride = |step: f64| RELAXING_APPROACH * thickness / approach * (step / 1e-3).min(1.0);
-    let settings = newton::Settings { tolerance: 1e-2, maximum_iterations: RELAXING_ITERATIONS, patience: 0.0 };
+    let settings = newton::Settings {
+        tolerance: 1e-2,
+        maximum_iterations: RELAXING_ITERATIONS,
+        patience: 0.0,
+        deadline: bodies.deadline,
+    };
     let (mut step, mut done, mut patience, mut quick, mut spent) = (1e-5, 0.0, 0, 0, 0);
     while quick < 3 {
         let next = f64::min(done + stride(step), 1.0);

@@ -147,8 +147,12 @@ impl Walker {
         }
         let history = history(&formula, &self.contents, first.map(|first| &first.rate));
         let rates = Rates { rate: formula.present, history };
-        let settings =
-            newton::Settings { tolerance: parameters.tolerance, maximum_iterations: ITERATIONS, patience: PATIENCE };
+        let settings = newton::Settings {
+            tolerance: parameters.tolerance,
+            maximum_iterations: ITERATIONS,
+            patience: PATIENCE,
+            deadline: bodies.deadline,
+        };
         let kept = self.kept.as_ref().map(|place| (place, Foreseen::default()));
         let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings, kept };
         let (point, iterations) = bodies.settle(guess, &task);

@@ -1,5 +1,7 @@
 //! Newton's method for equations with a discrete state (the active set of contact) beside the unknowns.
 
+use super::deadline::Deadline;
+
 /// Equations that Newton's method can solve. Errors are reasons in words.
 pub trait Problem {
     /// Writes the residual at these unknowns and renews the discrete state; returns whether that changed.
@@ -95,6 +97,8 @@ pub struct Settings {
     /// A factorisation is kept as long as the contraction of the updates promises the solution within so many further iterations,
     /// and the discrete state stays; 0 is Newton's method in full. About what a factorisation costs in iterations without.
     pub patience: f64,
+    /// No iteration begins after it.
+    pub deadline: Deadline,
 }
 
 /// Why there is no solution, and what it cost to find out.
@@ -136,6 +140,9 @@ pub fn solve(
     let (mut stale, mut previous) = (kept.is_none(), foreseen);
     let (mut iterations, mut formed, mut converged) = (0, 0, false);
     while !stale || formed < settings.maximum_iterations {
+        if settings.deadline.passed() {
+            return Err(fail("maximum_solve_time is over".into(), iterations));
+        }
         iterations += 1;
         let fail = |reason| fail(reason, iterations);
         if stale {
@@ -245,7 +252,7 @@ mod tests {
     ) -> (Result<usize, Failure>, f64, Scalar<F>) {
         let mut problem = Scalar { function, slope: 0.0, sizes: vec![], factorised: 0 };
         let mut z = [start];
-        let settings = Settings { tolerance: 1e-10, maximum_iterations: 20, patience };
+        let settings = Settings { tolerance: 1e-10, maximum_iterations: 20, patience, deadline: Deadline::default() };
         let result = solve(&mut problem, &mut z, &mut Vec::new(), &settings);
         (result, z[0], problem)
     }

@@ -4,5 +4,6 @@
 mod importer;
 mod long_run;
 mod phases;
+mod random;
 mod steps;
 mod values;

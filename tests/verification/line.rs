@@ -2,6 +2,7 @@
 
 use cartilage_contact::equations::film::{Film, MassRate};
 use cartilage_contact::fem::element::SIMPSON;
+use cartilage_contact::solver::deadline::Deadline;
 use cartilage_contact::solver::linear::{Cluster, FIXED, Multifrontal};
 use cartilage_contact::solver::newton::{self, Problem};
 
@@ -64,7 +65,8 @@ impl Line {
         for (number, node) in self.numbered() {
             unknowns[number] = self.pressure[node];
         }
-        let settings = newton::Settings { tolerance: 1e-11, maximum_iterations: 50, patience: 0.0 };
+        let settings =
+            newton::Settings { tolerance: 1e-11, maximum_iterations: 50, patience: 0.0, deadline: Deadline::default() };
         newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.set(&unknowns);
     }

@@ -4,6 +4,7 @@ use cartilage_contact::equations::system::{At, Change, Direction, Residual, Syst
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
 use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, quadratic, quadratic_derivative};
 use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::solver::deadline::Deadline;
 use cartilage_contact::solver::linear::FIXED;
 use cartilage_contact::solver::newton;
 
@@ -49,7 +50,8 @@ impl Pair {
     pub fn go(&mut self, inputs: Inputs) {
         self.inputs = inputs;
         let mut unknowns = self.unknowns.clone();
-        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 40, patience: 0.0 };
+        let settings =
+            newton::Settings { tolerance: 1e-10, maximum_iterations: 40, patience: 0.0, deadline: Deadline::default() };
         newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
     }

@@ -5,6 +5,7 @@ use std::array::from_fn;
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, Local, Tissue, VolumeRate, surface_pressure};
 use cartilage_contact::fem::element::{NODES, POINTS};
 use cartilage_contact::fem::mesh::LayerMesh;
+use cartilage_contact::solver::deadline::Deadline;
 use cartilage_contact::solver::linear::{Cluster, FIXED, Multifrontal};
 use cartilage_contact::solver::newton::{self, Problem};
 use cartilage_contact::solver::runge_kutta;
@@ -157,7 +158,8 @@ impl Strip {
     /// Solves from the present values. Returns the number of Newton iterations.
     pub fn solve(&mut self) -> usize {
         let mut unknowns = self.unknowns.clone();
-        let settings = newton::Settings { tolerance: 1e-10, maximum_iterations: 30, patience: 0.0 };
+        let settings =
+            newton::Settings { tolerance: 1e-10, maximum_iterations: 30, patience: 0.0, deadline: Deadline::default() };
         let iterations = newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
         iterations

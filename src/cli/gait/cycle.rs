@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use cartilage_contact::error::Error;
+use cartilage_contact::parameters::{Inputs, Parameters, Value};
+use cartilage_contact::variables;
 
 /// Load and sliding speed over one cycle. The last point repeats the first.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,20 +72,23 @@ impl Cycle {
 
     fn parse(file: &str, text: &str, width: f64, steps: usize) -> Result<Self, Error> {
         let mistake = |line: usize, message: String| Error::Case { file: file.into(), line, message };
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let storage = [".sto", ".mot"].iter().any(|ending| file.to_lowercase().ends_with(ending));
-        let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
-        if storage && !lines.any(|(_, line)| line.eq_ignore_ascii_case("endheader")) {
-            return Err(mistake(1, "no line `endheader`, after which an OpenSim storage file has its columns".into()));
-        }
-        let cells = |line: &str| -> Vec<String> {
-            let all: Vec<&str> =
-                if storage { line.split_whitespace().collect() } else { line.split(',').map(str::trim).collect() };
-            all.into_iter().map(|cell| cell.trim_matches('"').to_owned()).collect()
-        };
-        let mut rows = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-        let Some((line, head)) = rows.next().map(|(line, text)| (line, cells(text))) else {
+        let lines = if storage { storage_lines(text) } else { csv_lines(text) };
+        let mut lines = lines.map_err(|(line, message)| mistake(line, message))?.into_iter();
+        let Some((line, head)) = lines.next() else {
             return Err(mistake(1, "no columns: time, applied_load or force, sliding_speed".into()));
         };
+        if let [only] = &head[..]
+            && only.contains(';')
+        {
+            return Err(mistake(line, format!("columns are separated by `;`: {DIALECT}")));
+        }
+        if let Some(twice) =
+            (1..head.len()).find(|index| !head[*index].is_empty() && head[..*index].contains(&head[*index]))
+        {
+            return Err(mistake(line, format!("column `{}` is there twice: which one is meant?", head[twice])));
+        }
         let find = |name: &str| head.iter().position(|column| column == name);
         let missing = |name: &str| {
             let columns = head.join(", ");
@@ -112,14 +117,19 @@ impl Cycle {
 
         let mut table: Vec<[f64; 3]> = Vec::new();
         let mut last_line = line;
-        for (line, text) in rows {
-            let cells = cells(text);
+        for (line, cells) in lines {
+            if cells.len() > head.len() {
+                let (count, columns) = (cells.len(), head.len());
+                return Err(mistake(line, format!("{count} values below {columns} columns: {DIALECT}")));
+            }
             let mut row = [0.0; 3];
             for (value, &column) in row.iter_mut().zip(&columns) {
                 let cell = cells.get(column).map_or("", String::as_str);
                 let name = &head[column];
                 *value = cell.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-                    mistake(line, format!("column `{name}`: `{cell}` is not allowed: a finite number in SI units"))
+                    let decimal_comma = cell.replacen(',', ".", 1).parse::<f64>().is_ok();
+                    let allowed = if decimal_comma { DIALECT } else { "a finite number in SI units" };
+                    mistake(line, format!("column `{name}`: `{cell}` is not allowed: {allowed}"))
                 })?;
             }
             if row[1] <= 0.0 {
@@ -137,6 +147,11 @@ impl Cycle {
                 ));
             }
             row[1] /= divisor;
+            for (input, column) in [("applied_load", 1), ("sliding_speed", 2)] {
+                // The ranges of the table of variables.
+                variables::set(&mut Parameters::default(), &mut Inputs::default(), input, &Value::Real(row[column]))
+                    .map_err(|error| mistake(line, format!("column `{}`: {error}", head[columns[column]])))?;
+            }
             table.push(row);
             last_line = line;
         }
@@ -144,6 +159,17 @@ impl Cycle {
             let count = table.len();
             return Err(mistake(last_line, format!("{count} rows are too few: 3 or more, of one whole cycle")));
         };
+        let period = last[0] - first[0];
+        if !PERIODS.contains(&period) {
+            return Err(mistake(
+                last_line,
+                format!(
+                    "column `time`: a cycle of {period:e} s is not allowed: from {:e} to {:e} s; is the time in seconds?",
+                    PERIODS.start(),
+                    PERIODS.end()
+                ),
+            ));
+        }
         for column in [1, 2] {
             let size = table.iter().map(|row| row[column].abs()).fold(0.0, f64::max);
             if (last[column] - first[column]).abs() > CLOSED * size {
@@ -160,10 +186,9 @@ impl Cycle {
         if let Some(row) = table.last_mut() {
             *row = [last[0], first[1], first[2]];
         }
-        let period = last[0] - first[0];
         let time: Vec<f64> = (0..=steps).map(|step| period * step as f64 / steps as f64).collect();
         let at = |time: f64, column: usize| {
-            let end = table.iter().position(|row| row[0] - first[0] >= time).unwrap_or(table.len() - 1).max(1);
+            let end = table.partition_point(|row| row[0] - first[0] < time).clamp(1, table.len() - 1);
             let [a, b] = [table[end - 1], table[end]];
             let share = ((time - (a[0] - first[0])) / (b[0] - a[0])).clamp(0.0, 1.0);
             a[column] + share * (b[column] - a[column])
@@ -175,6 +200,51 @@ impl Cycle {
         })
     }
 }
+
+/// The cells of every line that has some, with its number.
+type Lines = Result<Vec<(usize, Vec<String>)>, (usize, String)>;
+
+/// What is after `endheader` in an OpenSim storage file.
+fn storage_lines(text: &str) -> Lines {
+    let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    if !lines.any(|(_, line)| line.eq_ignore_ascii_case("endheader")) {
+        return Err((1, "no line `endheader`, after which an OpenSim storage file has its columns".into()));
+    }
+    let cells = |line: &str| line.split_whitespace().map(|cell| cell.trim_matches('"').to_owned()).collect();
+    let kept = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    Ok(kept.map(|(line, text)| (line, cells(text))).collect())
+}
+
+fn csv_lines(text: &str) -> Lines {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let mut lines = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| {
+            let line = error.position().map_or(1, |position| position.line() as usize);
+            (line, format!("no CSV: {error}"))
+        })?;
+        // The reader counts a row from the comments and empty lines above it.
+        let (line, byte) =
+            record.position().map_or((1, 0), |position| (position.line() as usize, position.byte() as usize));
+        let skipped = text[byte..].lines().take_while(|line| line.is_empty() || line.starts_with('#')).count();
+        if record.iter().any(|cell| !cell.is_empty()) && !record[0].starts_with('#') {
+            lines.push((line + skipped, record.iter().map(str::to_owned).collect()));
+        }
+    }
+    Ok(lines)
+}
+
+/// How a CSV has to be written.
+const DIALECT: &str = "columns are separated by commas and numbers have a decimal point, as 0.5; a spreadsheet saves that as CSV \
+                       (not as CSV of a country with decimal commas)";
+
+/// Seconds that a cycle may take.
+const PERIODS: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// How far the last row of a file may be from its first, relative to the largest value; it is then replaced by the first.
 const CLOSED: f64 = 0.1;
@@ -208,6 +278,9 @@ mod tests {
         assert_eq!(cycle.time, [0.0, 0.25, 0.5, 0.75, 1.0]);
         assert_eq!(cycle.load, [20.0, 40.0, 60.0, 40.0, 20.0]);
         assert!(cycle.speed.iter().zip([0.1, 0.0, -0.1, 0.0, 0.1]).all(|(a, b): (&f64, _)| (a - b).abs() < 1e-15));
+        let spreadsheet = "\u{feff}\"time\",\"sliding_speed\",\"force\",\"a \"\"note\"\", or two\"\r\n\
+                           2,0.1,10,\"with, commas\r\nand lines\"\r\n\r\n2.5,\"-0.1\",30,\r\n3,0.1,10,\r\n";
+        assert_eq!(Cycle::parse("own.csv", spreadsheet, 0.5, 4).unwrap(), cycle);
         let storage = "walk\nversion=1\nnRows=3\nnColumns=4\ninDegrees=no\nendheader\ntime\tother\tapplied_load\tsliding_speed\n\
                        2 7 20 0.1\n2.5 7 60 -0.1\n3 7 20 0.1\n";
         assert_eq!(Cycle::parse("own.sto", storage, 0.5, 4).unwrap(), cycle);
@@ -228,12 +301,21 @@ mod tests {
             ("2,1,0\n", "", "a.csv:3: 2 rows are too few"),
             ("2,1,0", "2,1.5,0", "a.csv:4: column `applied_load`: the last row ends a cycle"),
             (good, "", "a.csv:1: no columns"),
+            ("sliding_speed", "sliding_speed,time", "a.csv:1: column `time` is there twice"),
+            ("1,2,1", "\n# more\n1,0,2,1,0", "a.csv:5: 5 values below 3 columns: columns are separated by commas"),
+            ("1,2,1", "1,\"2,5\",1", "a.csv:3: column `applied_load`: `2,5` is not allowed: columns are separated by"),
+            ("1,2,1", "1,2,11", "a.csv:3: column `sliding_speed`: sliding_speed = 11 is not allowed: a number from"),
+            ("1,2,1", "1,2e9,1", "a.csv:3: column `applied_load`: applied_load = 2000000000 is not allowed"),
+            ("\n2,1", "\n2e9,1", "a.csv:4: column `time`: a cycle of 2e9 s is not allowed"),
+            ("0,1,0\n1,2,1\n2,", "0,1,0\n1e-300,2,1\n2e-300,", "a cycle of 2e-300 s is not allowed"),
         ] {
             let text = good.replace(from, to);
             assert_ne!(text, good, "{from}");
             let message = Cycle::parse("a.csv", &text, 1.0, 8).unwrap_err().to_string();
             assert!(message.contains(expected), "{message}, not {expected}");
         }
+        let message = Cycle::parse("a.csv", &good.replace(',', ";").replace('.', ","), 1.0, 8).unwrap_err().to_string();
+        assert!(message.contains("a.csv:1: columns are separated by `;`"), "{message}");
         let message = Cycle::parse("a.sto", good, 1.0, 8).unwrap_err().to_string();
         assert!(message.contains("endheader"), "{message}");
     }

@@ -2,9 +2,10 @@
 
 mod cycle;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use cartilage_contact::error::Error;
+use cartilage_contact::files::{self, OutputFolder, unwritten};
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Control, Inputs, Parameters, TimeIntegration};
 use cartilage_contact::simulation::{Drive, Simulation};
@@ -111,6 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
 
+    let folder = OutputFolder::open(&arguments.output)?;
     let bar = progress(steps * (1 + arguments.cycles as usize));
     let (transient, (steady, failures)) = std::thread::scope(|scope| {
         let steady = scope.spawn(|| quasi_steady(&parameters, &case.inputs, &cycle, &bar));
@@ -120,21 +122,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     bar.finish_and_clear();
 
-    let folder = &arguments.output;
-    std::fs::create_dir_all(folder).map_err(|error| unwritten(folder, error))?;
-    let csv = folder.join("gait.csv");
-    write_csv(&csv, &transient.cycles, &steady).map_err(|error| unwritten(&csv, error))?;
+    let csv = folder.path().join("gait.csv");
+    let text = to_csv(&transient.cycles, &steady).map_err(|error| unwritten(&csv, error))?;
+    files::replace(&csv, &text)?;
     let last = transient.cycles.last().map_or(&[][..], Vec::as_slice);
-    let [svg, png] = figures::gait::save(&folder.join("gait"), last, &steady)?;
+    let [svg, png] = figures::gait::save(&folder.path().join("gait"), last, &steady)?;
     let mut text = table(last, &steady) + "\n" + &verdict(&transient, arguments.periodicity);
     if let Some(first) = failures.first() {
         text += &format!("{} quasi-steady states were not found; the first: {first}\n", failures.len());
     }
     print(&format!("{text}\nWrote {}, {} and {}\n", csv.display(), svg.display(), png.display()))
-}
-
-fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
-    Error::File { path: path.display().to_string(), message: format!("could not write: {error}") }
 }
 
 /// The inputs at a communication point.
@@ -223,7 +220,7 @@ fn quasi_steady(
     Ok((states, failures))
 }
 
-fn write_csv(path: &Path, cycles: &[Vec<State>], steady: &[State]) -> Result<(), csv::Error> {
+fn to_csv(cycles: &[Vec<State>], steady: &[State]) -> Result<Vec<u8>, csv::Error> {
     // Contact stiffness would cost as much as the step.
     let results = || {
         variables::scalar_outputs().filter_map(|row| match row.source {
@@ -231,7 +228,7 @@ fn write_csv(path: &Path, cycles: &[Vec<State>], steady: &[State]) -> Result<(),
             _ => None,
         })
     };
-    let mut writer = csv::Writer::from_path(path)?;
+    let mut writer = csv::Writer::from_writer(Vec::new());
     let head = ["time_integration", "cycle", "time", "applied_load", "sliding_speed"];
     let tail = ["cumulative_net_fluid_exudation", "lubrication_regime", "newton_iterations"];
     writer.write_record(head.into_iter().chain(results().map(|(name, _)| name)).chain(tail))?;
@@ -245,7 +242,7 @@ fn write_csv(path: &Path, cycles: &[Vec<State>], steady: &[State]) -> Result<(),
             writer.write_record(cells.chain(numbers.map(|value| format!("{value:e}"))).chain(words))?;
         }
     }
-    Ok(writer.flush()?)
+    writer.into_inner().map_err(|error| error.into_error().into())
 }
 
 /// Extremes of the cycle, in time and quasi-steady.

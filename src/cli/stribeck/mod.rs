@@ -3,12 +3,14 @@
 mod parquet;
 mod table;
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use cartilage_contact::error::Error;
 use cartilage_contact::fields::Fields;
+use cartilage_contact::files;
 use cartilage_contact::io::case::Case;
 use cartilage_contact::io::vtu;
 use cartilage_contact::parameters::{Inputs, Value};
@@ -27,7 +29,7 @@ const EXAMPLES: &str = "\
 Lists are SI numbers: 0,12e-6,50e-6 or from:to:step, ends included, or both: -10e-6:20e-6:1e-6,30e-6. Everything goes into \
 one folder: case.toml (what was solved), stribeck.csv and stribeck.parquet (one row a state, columns named as the FMU's variables), the \
 Stribeck figure, and for --fields two figures and two VTU files (for ParaView) a state. A run that was stopped goes on from the table \
-in the folder; a folder with another case is refused.
+in the folder; a folder with another case, or one that another run is writing to, is refused.
 
 Examples:
   cartilage-contact stribeck                                      (Table 2 and Figure 3 of de Boer et al., 2020)
@@ -155,6 +157,7 @@ fn solve(
             Ok(simulation) => {
                 if let Err(error) = solved.table.add(simulation) {
                     *unwritten.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                    return ControlFlow::Break(());
                 }
                 if with_fields(point) {
                     solved.fields.extend(simulation.fields());
@@ -167,6 +170,7 @@ fn solve(
         }
         bar.set_message(format!("d = {} um", format::number(1e6 * point.penetration_depth, 4)));
         bar.inc(1);
+        ControlFlow::Continue(())
     })?;
     bar.finish_and_clear();
     if let Some(error) = unwritten.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -201,10 +205,7 @@ fn write_fields(folder: &Path, fields: &Fields, several_speeds: bool) -> Result<
     }
     for (name, text) in [("bodies", vtu::bodies(fields)), ("interface", vtu::interface(&fields.interface))] {
         let path = folder.join(format!("{name}_{state}.vtu"));
-        std::fs::write(&path, text).map_err(|error| Error::File {
-            path: path.display().to_string(),
-            message: format!("could not write: {error}"),
-        })?;
+        files::replace(&path, text.as_bytes())?;
         files.push(path);
     }
     Ok(files)

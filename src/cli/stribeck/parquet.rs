@@ -1,7 +1,5 @@
 //! The same table as Parquet, for programs that read columns.
 
-use std::fs::File;
-use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -19,8 +17,8 @@ pub enum Column {
     Words(Vec<String>),
 }
 
-/// Writes named columns of equal length, none of them with gaps.
-pub fn write(path: &Path, columns: &[(&str, Column)]) -> Result<(), ParquetError> {
+/// A file of named columns of equal length, none of them with gaps.
+pub fn file(columns: &[(&str, Column)]) -> Result<Vec<u8>, ParquetError> {
     let fields = columns.iter().map(|(name, column)| {
         let field = match column {
             Column::Numbers(_) => Type::primitive_type_builder(name, Physical::DOUBLE),
@@ -31,8 +29,7 @@ pub fn write(path: &Path, columns: &[(&str, Column)]) -> Result<(), ParquetError
         field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
     });
     let schema = Type::group_type_builder("stribeck").with_fields(fields.collect::<Result<_, _>>()?).build()?;
-    let mut file =
-        SerializedFileWriter::new(File::create(path)?, Arc::new(schema), Arc::new(WriterProperties::default()))?;
+    let mut file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(WriterProperties::default()))?;
     let mut group = file.next_row_group()?;
     for (_, column) in columns {
         let Some(mut writer) = group.next_column()? else { break };
@@ -46,6 +43,5 @@ pub fn write(path: &Path, columns: &[(&str, Column)]) -> Result<(), ParquetError
         writer.close()?;
     }
     group.close()?;
-    file.close()?;
-    Ok(())
+    file.into_inner()
 }

@@ -1,10 +1,12 @@
-//! The table of solved states: a CSV that grows with every state, and beside it the case that it belongs to.
+//! The table of solved states: a CSV that grows with every state, and beside it the case that it belongs to. Every row names its
+//! case by a hash, so that rows and case cannot be mistaken for each other's whenever a run was stopped.
 
 use std::collections::HashSet;
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
 use cartilage_contact::error::Error;
+use cartilage_contact::files::{self, OutputFolder, unwritten};
 use cartilage_contact::io::case::Case;
 use cartilage_contact::parameters::{Inputs, PARAMETERS, Value};
 use cartilage_contact::simulation::{Input, Simulation};
@@ -15,6 +17,8 @@ use crate::cli::format;
 
 /// Rows of text under the names of the FMU's variables.
 pub struct Table {
+    _folder: OutputFolder,
+    case: String,
     path: PathBuf,
     rows: Vec<Vec<String>>,
     held: HashSet<[u64; 2]>,
@@ -34,8 +38,18 @@ fn column(name: &str) -> Option<usize> {
     columns().position(|variable| variable.name == name)
 }
 
-fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
-    Error::File { path: path.display().to_string(), message: format!("could not write: {error}") }
+/// The last column: which case a row is of.
+const CASE: &str = "case";
+
+/// The words of the header.
+fn header() -> impl Iterator<Item = &'static str> {
+    columns().map(|variable| variable.name.as_str()).chain([CASE])
+}
+
+/// The hash of what all states of a case have in common, and of the program that solved them.
+fn hash(case: &Case) -> String {
+    let text = format!("{}\n{}", version(), case.fixed_part());
+    uuid::Uuid::new_v5(&uuid::Uuid::NAMESPACE_OID, text.as_bytes()).simple().to_string()
 }
 
 fn key(depth: f64, speed: f64) -> [u64; 2] {
@@ -46,7 +60,8 @@ fn key(depth: f64, speed: f64) -> [u64; 2] {
 impl Table {
     /// The table in a folder, with what a stopped run left there.
     pub fn open(folder: &Path, case: &Case, fresh: bool) -> Result<Self, Error> {
-        std::fs::create_dir_all(folder).map_err(|error| unwritten(folder, error))?;
+        let locked = OutputFolder::open(folder)?;
+        let hash = hash(case);
         let (path, case_path) = (folder.join("stribeck.csv"), folder.join("case.toml"));
         let text = format!(
             "# What stribeck.csv holds the states of.\n# cartilage-contact {}\n{}",
@@ -56,13 +71,13 @@ impl Table {
         let mut rows = Vec::new();
         if !fresh && path.exists() {
             rows = read(&path)?;
-            if !rows.is_empty() {
-                same_case(&case_path, case)?;
+            if rows.iter().any(|row| row.last() != Some(&hash)) {
+                return Err(other_case(&case_path, case));
             }
         }
-        std::fs::write(&case_path, text).map_err(|error| unwritten(&case_path, error))?;
-        let writer = rewrite(&path, &rows).map_err(|error| unwritten(&path, error))?;
-        let mut table = Self { path, rows: Vec::new(), held: HashSet::new(), writer };
+        let writer = rewrite(&path, &rows)?;
+        files::replace(&case_path, text.as_bytes())?;
+        let mut table = Self { _folder: locked, case: hash, path, rows: Vec::new(), held: HashSet::new(), writer };
         rows.into_iter().for_each(|row| table.hold(row));
         Ok(table)
     }
@@ -96,6 +111,7 @@ impl Table {
                 Value::Text(word) => word,
                 other => other.to_string(),
             })
+            .chain([self.case.clone()])
             .collect();
         self.writer.write_record(&row).map_err(|error| unwritten(&self.path, error))?;
         self.writer.flush().map_err(|error| unwritten(&self.path, error))?;
@@ -107,7 +123,8 @@ impl Table {
     pub fn finish(&mut self) -> Result<(), Error> {
         let order = |row: &Vec<String>| [1, 0].map(|index| row[index].parse::<f64>().unwrap_or(f64::NAN));
         self.rows.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal));
-        self.writer = rewrite(&self.path, &self.rows).map_err(|error| unwritten(&self.path, error))?;
+        self.writer = rewrite(&self.path, &self.rows)?;
+        let cases = self.rows.iter().filter_map(|row| row.last().cloned()).collect();
         let columns: Vec<_> = columns()
             .map(|variable| {
                 let name = variable.name.as_str();
@@ -119,9 +136,10 @@ impl Table {
                 };
                 (name, column)
             })
+            .chain([(CASE, Column::Words(cases))])
             .collect();
         let path = self.parquet_path();
-        parquet::write(&path, &columns).map_err(|error| unwritten(&path, error))
+        files::replace(&path, &parquet::file(&columns).map_err(|error| unwritten(&path, error))?)
     }
 
     /// Where the Parquet file is.
@@ -190,8 +208,8 @@ fn read(path: &Path) -> Result<Vec<Vec<String>>, Error> {
     // The last number of a row that was cut off may still read as a number.
     let whole = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(&text[..whole]);
-    let header = reader.headers().map_err(unreadable)?.clone();
-    if !header.is_empty() && !header.iter().eq(columns().map(|variable| variable.name.as_str())) {
+    let found = reader.headers().map_err(unreadable)?.clone();
+    if !found.is_empty() && !found.iter().eq(header()) {
         return Err(Error::File {
             path: path.display().to_string(),
             message: "is no table of this version's variables; choose another folder with --output, or use --fresh"
@@ -201,7 +219,7 @@ fn read(path: &Path) -> Result<Vec<Vec<String>>, Error> {
     let mut rows = Vec::new();
     for record in reader.records() {
         let row: Vec<String> = record.map_err(unreadable)?.iter().map(str::to_owned).collect();
-        let whole = row.len() == header.len()
+        let whole = row.len() == found.len()
             && columns().zip(&row).all(|(variable, cell)| match variable.data_type() {
                 Type::Enumeration(items) => items.iter().any(|(name, _)| name == cell),
                 Type::Boolean => cell.parse::<bool>().is_ok(),
@@ -215,19 +233,28 @@ fn read(path: &Path) -> Result<Vec<Vec<String>>, Error> {
 }
 
 /// A file with header and rows, put in place at once, and a writer at its end.
-fn rewrite(path: &Path, rows: &[Vec<String>]) -> Result<csv::Writer<File>, csv::Error> {
-    let beside = path.with_extension("csv.new");
-    let mut writer = csv::Writer::from_path(&beside)?;
-    writer.write_record(columns().map(|variable| variable.name.as_str()))?;
-    rows.iter().try_for_each(|row| writer.write_record(row))?;
-    writer.flush()?;
-    std::fs::rename(&beside, path)?;
-    Ok(writer)
+fn rewrite(path: &Path, rows: &[Vec<String>]) -> Result<csv::Writer<File>, Error> {
+    let failed = |error: csv::Error| unwritten(path, error);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(header()).map_err(failed)?;
+    rows.iter().try_for_each(|row| writer.write_record(row)).map_err(failed)?;
+    files::replace(path, &writer.into_inner().map_err(|error| unwritten(path, error))?)?;
+    let file = OpenOptions::new().append(true).open(path).map_err(|error| unwritten(path, error))?;
+    Ok(csv::Writer::from_writer(file))
 }
 
-/// Refuses a folder whose table is of another case, and names what differs.
-fn same_case(path: &Path, case: &Case) -> Result<(), Error> {
-    let other = Case::load(path)?;
+/// Why a folder whose table has rows of another case is refused: what differs, as far as the case beside the table tells.
+fn other_case(path: &Path, case: &Case) -> Error {
+    let refuse = |why: &str| {
+        Error::State(format!(
+            "the table beside {} is of another case: {why}; choose another folder with --output, or solve anew with --fresh",
+            path.display(),
+        ))
+    };
+    let other = match Case::load(path) {
+        Ok(other) => other,
+        Err(error) => return refuse(&format!("which one is not known ({error})")),
+    };
     let mut differing: Vec<String> = PARAMETERS
         .iter()
         .map(|row| (row.name, row.get(&other.parameters), row.get(&case.parameters)))
@@ -244,11 +271,7 @@ fn same_case(path: &Path, case: &Case) -> Result<(), Error> {
         differing.push("another version of cartilage-contact solved it".into());
     }
     if differing.is_empty() {
-        return Ok(());
+        differing.push("its rows carry another hash than this case, which the file beside them names".into());
     }
-    Err(Error::State(format!(
-        "the table beside {} is of another case: {}; choose another folder with --output, or solve anew with --fresh",
-        path.display(),
-        differing.join("; ")
-    )))
+    refuse(&differing.join("; "))
 }

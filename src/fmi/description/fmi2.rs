@@ -4,27 +4,28 @@ use std::fmt::Write;
 use std::sync::LazyLock;
 
 use super::{
-    Description, attributes, co_simulation, depends_on_inputs, escape, head, log_categories_and_experiment, role,
-    types, units,
+    Token, attributes, co_simulation, depends_on_inputs, escape, head, log_categories_and_experiment, role, types,
+    units,
 };
 use crate::fmi::instance::Answer;
 use crate::variables::{Source, Type, VARIABLES, Variable};
 
-static DESCRIPTION: LazyLock<Description> = LazyLock::new(|| Description::new("2.0", "guid", &body()));
+// Only the token is kept: what a static holds stays behind when the library is unloaded.
+static TOKEN: LazyLock<Token> = LazyLock::new(|| Token::new(&body()));
 
 /// `modelDescription.xml`.
-pub fn xml() -> &'static str {
-    &DESCRIPTION.xml
+pub fn xml() -> String {
+    TOKEN.document("2.0", "guid", &body())
 }
 
 /// The GUID.
 pub fn token() -> &'static str {
-    &DESCRIPTION.token
+    TOKEN.text()
 }
 
 /// Refuses another GUID.
 pub fn check_token(name: &str, given: Option<String>) -> Answer<()> {
-    DESCRIPTION.check_token(name, given)
+    TOKEN.check(name, given)
 }
 
 fn body() -> String {

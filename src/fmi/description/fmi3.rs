@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::sync::LazyLock;
 
 use super::{
-    Description, attributes, co_simulation, depends_on_inputs, escape, head, log_categories_and_experiment, role,
-    types, units,
+    Token, attributes, co_simulation, depends_on_inputs, escape, head, log_categories_and_experiment, role, types,
+    units,
 };
 use crate::fmi::instance::Answer;
 use crate::fmi::standard::{Standard, TIME_REFERENCE};
@@ -15,21 +15,22 @@ use crate::variables::{Source, Type, VARIABLES, Variable};
 /// The version, as both files name it.
 const VERSION: &str = "3.0";
 
-static DESCRIPTION: LazyLock<Description> = LazyLock::new(|| Description::new(VERSION, "instantiationToken", &body()));
+// Only the token is kept: what a static holds stays behind when the library is unloaded.
+static TOKEN: LazyLock<Token> = LazyLock::new(|| Token::new(&body()));
 
 /// `modelDescription.xml`.
-pub fn xml() -> &'static str {
-    &DESCRIPTION.xml
+pub fn xml() -> String {
+    TOKEN.document(VERSION, "instantiationToken", &body())
 }
 
 /// The instantiation token.
 pub fn token() -> &'static str {
-    &DESCRIPTION.token
+    TOKEN.text()
 }
 
 /// Refuses another token.
 pub fn check_token(name: &str, given: Option<String>) -> Answer<()> {
-    DESCRIPTION.check_token(name, given)
+    TOKEN.check(name, given)
 }
 
 fn body() -> String {

@@ -10,6 +10,7 @@ mod refine;
 mod touch;
 
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use self::touch::Touch;
@@ -192,8 +193,12 @@ impl Builder<'_> {
                 found[index] = Some(sample);
                 let solved = planned - found.iter().filter(|sample| sample.is_none()).count();
                 (self.progress)(Progress { solved, planned });
+                ControlFlow::Continue(())
             }
-            Err(error) => *trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(error),
+            Err(error) => {
+                *trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                ControlFlow::Break(())
+            }
         })?;
         if let Some(error) = trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(error);
