@@ -133,7 +133,9 @@ for platform in "${platforms[@]}"; do
     native=$built/release-native
     rm -rf "$native"
     mkdir -p "$native"
-    cp "$folder/$program" "$folder/$library" "$output"/CartilageLineContact*.fmu "$native"
+    cp "$folder/$program" "$folder/$library" "$native"
+    # Of this platform alone: on ARM Linux, FMPy looks where Intel's library is in the FMU of all.
+    "$built/release/cartilage-contact" package --library "$folder/$library" --output "$native/CartilageLineContact.fmu"
     rm -rf "$built/python"
     CARTILAGE_CONTACT_BUILT=$(realpath "$native") python3 -m pip wheel --quiet --no-deps --wheel-dir "$output" \
         --config-settings="--build-option=--plat-name=$tag" .

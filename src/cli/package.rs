@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PATH", default_value = DEFAULT_OUTPUT)]
     output: PathBuf,
 
-    /// Scalars only, and no outputs that are choices: for tools that read no arrays and no enumerations
+    /// Outputs are real scalars only: for tools that read no arrays, integers and choices
     #[arg(long)]
     slim: bool,
 }

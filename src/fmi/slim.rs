@@ -1,4 +1,4 @@
-//! The model description for importers that know a part of the standard: without profiles, and without outputs that are choices.
+//! The model description for importers that know a part of the standard: all outputs are real numbers, none of them an array.
 //!
 //! The library does not change, and neither do value references and token.
 
@@ -24,8 +24,9 @@ pub fn slim(standard: Standard, xml: &str) -> String {
     for (index, variable) in elements(variables, end_of_variable).into_iter().enumerate() {
         let profile =
             variable.contains("<Dimension") || attribute(variable, "name").is_some_and(|name| name.contains('['));
-        let choice = variable.contains("<Enumeration") && variable.contains("causality=\"output\"");
-        if profile || choice {
+        let real = ["<Real", "<Float64"].iter().any(|element| variable.contains(element));
+        let other_output = variable.contains("causality=\"output\"") && !real;
+        if profile || other_output {
             continue;
         }
         kept += variable;
@@ -90,12 +91,11 @@ mod tests {
     use crate::variables::{Type, VARIABLES, Variable};
 
     fn stays(variable: &&Variable) -> bool {
-        let choice = matches!(variable.data_type(), Type::Enumeration(_));
-        variable.is_scalar() && !(variable.is_output() && choice)
+        variable.is_scalar() && !(variable.is_output() && variable.data_type() != Type::Real)
     }
 
     #[test]
-    fn scalars_stay_and_the_structure_speaks_of_them_only() {
+    fn real_scalars_stay_and_the_structure_speaks_of_them_only() {
         let outputs = VARIABLES.iter().filter(stays).filter(|row| row.is_output()).count();
         for (standard, xml) in [(Standard::Fmi2, fmi2::xml()), (Standard::Fmi3, fmi3::xml())] {
             let slim = slim(standard, xml);
