@@ -190,7 +190,7 @@ mod tests {
         let output = folder.path().join("x.fmu");
         package(&libraries, standard, Contents::default(), &output).unwrap();
         let archive = zip::ZipArchive::new(File::open(output).unwrap()).unwrap();
-        let folders = archive.file_names().map(|name| name.unwrap().to_owned());
+        let folders = archive.file_names().map(|name| name.unwrap().into_owned());
         let folders = folders.filter_map(|name| name.strip_prefix("binaries/").map(str::to_owned));
         let mut folders: Vec<_> = folders.map(|name| name.replace("/CartilageLineContact", "")).collect();
         folders.sort();
