@@ -1,9 +1,6 @@
 //! Sweeps, their tables, fields, sensitivities and studies, on small meshes.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
-
-use std::fs::File;
-
 use std::path::Path;
 use std::process::{Command, Output};
 
