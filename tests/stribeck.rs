@@ -1,6 +1,7 @@
 //! Sweeps, their tables, fields, sensitivities and studies, on small meshes.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
+
 use std::path::Path;
 use std::process::{Command, Output};
 
