@@ -8,10 +8,13 @@ Below a cavitation pressure the film tears instead of pulling: gas or vapour fil
 carried along until the film forms again. Three cavitation pressures above ambient are compared with a film that never tears.
 """
 
+from start import FMU, needs, options, tell
+
+needs("numpy", "fmpy", "matplotlib")
+
 import numpy as np
 from fmpy import simulate_fmu
 
-FMU = "target/fmu/CartilageLineContact.fmu"
 DEPTHS = 1e-6 * np.arange(-10, 11)  # m, a full film throughout
 PRESSURES = [None, -2000.0, -500.0, 0.0]  # Pa; None never tears
 STATIONS = range(1, 102)
@@ -54,7 +57,10 @@ def draw(results, middle, picture):
 
 
 def main(fmu=FMU, picture="cavitation.png", depths=DEPTHS, parameters=None):
-    results = {pressure: sweep(fmu, pressure, depths, parameters or {}) for pressure in PRESSURES}
+    results = {}
+    for done, pressure in enumerate(PRESSURES, 1):
+        results[pressure] = sweep(fmu, pressure, depths, parameters or {})
+        tell(done, len(PRESSURES))
     middle = len(depths) // 2
     for pressure, result in results.items():
         row = result[middle]
@@ -69,4 +75,4 @@ def main(fmu=FMU, picture="cavitation.png", depths=DEPTHS, parameters=None):
 
 
 if __name__ == "__main__":
-    main()
+    main(**options(__doc__, picture="cavitation.png"))

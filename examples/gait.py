@@ -10,11 +10,14 @@ linearly, by fmi2SetRealInputDerivatives. (FMPy's simulate_fmu would set the slo
 
 import shutil
 
+from start import FMU, needs, options, tell
+
+needs("numpy", "fmpy", "matplotlib")
+
 import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-FMU = "target/fmu/CartilageLineContact.fmu"
 PERIOD = 1.1  # s
 RADIUS = 0.024  # m, turns flexion into sliding
 LOAD = [(0.15, 2.38), (0.31, 1.5), (0.48, 2.1), (0.70, 0.25), (0.95, 0.25)]  # share of the cycle, body weights
@@ -75,6 +78,7 @@ def walk(fmu, parameters, time_integration, time, load, speed, cycles, tolerance
             contact.setRealInputDerivatives(given, [1, 1], [(v[i + 1] - v[i]) / step for v in (load, speed)])
             contact.doStep(count * time[-1] + time[i], step)
             states.append(contact.getReal(wanted))
+            tell(i + 1, len(time) - 1, f"{time_integration}, cycle {count + 1}: ")
         states = np.array(states)
         if before is not None:
             # Depth, fluid load and solid load, relative to the largest depth and load.
@@ -147,4 +151,4 @@ def main(fmu=FMU, parameters=None, peak_load=25.0, steps=200, cycles=10, toleran
 
 
 if __name__ == "__main__":
-    main()
+    main(**options(__doc__, peak_load=25.0, steps=200, cycles=10, picture="gait.png"))

@@ -29,13 +29,16 @@ this motion the mesh of 60 x 4 elements gives depth within 1 %, friction within 
 import math
 import tempfile
 
+from start import FMU, needs, options, tell
+
+needs("numpy", "fmpy", "mujoco", "matplotlib")
+
 import mujoco
 import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-FMU = "target/fmu/CartilageLineContact.fmu"
 RADIUS = 0.1  # m, of both surfaces: the paper's
 INPUTS = ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"]
 FORCES = ["normal_force", "upper_friction_force"]
@@ -270,6 +273,7 @@ def main(
             for name, sizes in [("explicit", explicit_sizes), ("implicit", implicit_sizes)]:
                 good = [size for size in sizes if is_stable(make_contact, masters[name], size, speed)]
                 stable[regime][name] = max(good, default=0.0)
+                tell(2 * list(SPEEDS).index(regime) + (1 if name == "explicit" else 2), 2 * len(SPEEDS))
     print(f"damping of the ligaments c {damping:.3g} N s/m; largest stable step tried [ms]:")
     print("regime          contact stiffness k [N/m]   2 c / k   explicit   implicit")
     for regime, row in stable.items():
@@ -332,4 +336,4 @@ def draw(picture, runs, sizes, weight):
 
 
 if __name__ == "__main__":
-    main()
+    main(**options(__doc__, picture="joint_mujoco.png", duration=0.2))

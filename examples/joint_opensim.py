@@ -11,12 +11,15 @@ contact geometry. FMPy runs the contact: the coordinate gives the penetration de
 
 import tempfile
 
+from start import FMU, needs, options
+
+needs("numpy", "fmpy", "opensim")
+
 import numpy as np
 import opensim
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-FMU = "target/fmu/CartilageLineContact.fmu"
 DEPTH = 2.2e-5  # m, at the start: some microns off the equilibrium
 DAMPING = 200.0  # N s/m
 PARAMETERS = {"width": 0.03, "viscosity": 0.01, "mesh.columns": 40, "mesh.rows": 3}
@@ -110,5 +113,6 @@ def main(fmu=FMU, exchanges=(2e-4, 5e-4, 7e-4, 1e-3, 2e-3), duration=0.06, param
 
 
 if __name__ == "__main__":
+    chosen = options(__doc__, duration=0.06)
     print(f"OpenSim {opensim.GetVersion()}")
-    main()
+    main(**chosen)

@@ -8,8 +8,12 @@ depend on the depth at once. This is the explicit master again, stable below h =
     python examples/joint_syssimx.py      # prints the last states and the range of depth
 """
 
+from start import FMU, needs, options
+
+needs("numpy", "fmpy", "opensim", "syssimx")
+
 import numpy as np
-from joint_opensim import FMU, PARAMETERS, Motion
+from joint_opensim import PARAMETERS, Motion
 from syssimx import Connection, CoSimComponent, PortSpec, PortType, System
 from syssimx.components.fmu import FMUComponent
 from syssimx.system.algorithms.gauss_seidel import GaussSeidelAlgorithm
@@ -64,8 +68,9 @@ def main(fmu=FMU, exchange=5e-4, duration=0.06, parameters=PARAMETERS, sliding_s
 
 
 if __name__ == "__main__":
+    chosen = options(__doc__, duration=0.06)
     for exchange in (5e-4, 1e-3):
-        times, depths, forces = main(exchange=exchange)
+        times, depths, forces = main(exchange=exchange, **chosen)
         third = len(depths) // 3
         first, last = 1e6 * np.ptp(depths[:third]), 1e6 * np.ptp(depths[-third:])
         print(f"{1e3 * exchange:g} ms: range of depth {first:.2f} µm in the first third, {last:.2f} µm in the last;", end=" ")

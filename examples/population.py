@@ -25,11 +25,15 @@ Drawn uniformly, permeability and viscosity in their logarithms; both layers of 
 | viscosity | 1e-3 to 1e-2 Pa s | assumed: water to synovial fluid at the high shear of a thin film |
 """
 
-import argparse
 import io
+import os
 import tempfile
 from contextlib import redirect_stdout
 from pathlib import Path
+
+from start import FMU, needs, options, tell
+
+needs("numpy", "fmpy", "dask", "distributed", "pyarrow", "matplotlib")
 
 import numpy as np
 import pyarrow
@@ -38,7 +42,6 @@ from dask.distributed import Client, LocalCluster, as_completed
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-FMU = "target/fmu/CartilageLineContact.fmu"
 DEPTH = 10e-6  # m
 SPEEDS = np.geomspace(0.03, 1e-4, 9)  # m/s, from thick films to thin ones
 OUTPUTS = ["load", "friction_coefficient", "sommerfeld_number", "minimum_film_thickness", "fluid_load_support"]
@@ -131,8 +134,7 @@ def main(knees=1000, fmu=FMU, folder="population", picture="population.png", sch
                     print("a worker failed:", future.exception())
                 elif future.result()[1]:
                     print("knee {}: {}".format(*future.result()))
-                if done % 50 == 0:
-                    print(f"{done} of {len(missing)}")
+                tell(done, len(missing))
         if cluster:
             cluster.close()
     files = [folder / f"knee_{number:05}.parquet" for number in range(knees)]
@@ -195,11 +197,7 @@ def draw(table, picture):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--knees", type=int, default=1000)
-    parser.add_argument("--fmu", default=FMU)
-    parser.add_argument("--folder", default="population", help="where the results are, and are looked for")
-    parser.add_argument("--picture", default="population.png")
-    parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://head:8786")
-    parser.add_argument("--workers", type=int, help="processes on this machine; all its cores otherwise")
-    main(**vars(parser.parse_args()))
+    chosen = options(
+        __doc__, knees=1000, folder="population", picture="population.png", scheduler=None, workers=os.cpu_count()
+    )
+    main(**chosen)

@@ -11,10 +11,13 @@
 # The mesh is coarser than the paper's; `MESH = {}` takes the FMU's own, which is good to a few tenths of a percent of load.
 
 # %%
+from start import FMU, needs, options, tell
+
+needs("numpy", "fmpy", "matplotlib")
+
 import numpy as np
 from fmpy import simulate_fmu
 
-FMU = "target/fmu/CartilageLineContact.fmu"
 MESH = {"mesh.columns": 80, "mesh.rows": 6}
 DEPTHS = 1e-6 * np.r_[-10:30:1, 30:101:5]  # m; the abscissa of the run, not of the figure
 OUTPUTS = [
@@ -33,7 +36,10 @@ def sweep(fmu=FMU, mesh=MESH, depths=DEPTHS):
     times = np.arange(len(depths), dtype=float)
     signal = np.array(list(zip(times, depths)), dtype=[("time", float), ("penetration_depth", float)])
     start = {"penetration_depth": float(depths[0])} | mesh
-    return simulate_fmu(fmu, start_values=start, stop_time=times[-1] + 1, output_interval=1, input=signal, output=OUTPUTS)[1:]
+    return simulate_fmu(
+        fmu, start_values=start, stop_time=times[-1] + 1, output_interval=1, input=signal, output=OUTPUTS,
+        step_finished=lambda time, _: tell(time, times[-1] + 1),
+    )[1:]  # fmt: skip
 
 
 # %% [markdown]
@@ -98,4 +104,4 @@ def main(fmu=FMU, mesh=MESH, depths=DEPTHS, picture="stribeck.png"):
 
 
 if __name__ == "__main__":
-    main()
+    main(**options("The Stribeck analysis of de Boer et al. (2020), Figure 3.", picture="stribeck.png"))

@@ -6,11 +6,14 @@ Structure and Parameterization 1.0 can open the file. Run it after `cargo run --
 
 import zipfile
 
+from start import FMU, needs, options
+
+needs("fmpy")
+
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssv
 
-FMU = "target/fmu/CartilageLineContact.fmu"
-SSP = "target/fmu/two_compartments.ssp"
+SSP = FMU.replace("CartilageLineContact.fmu", "two_compartments.ssp")
 COMPARTMENTS = {"medial": 1.0e-3, "lateral": 1.5e-3}
 INPUTS = ["penetration_depth", "sliding_speed"]
 OUTPUTS = ["normal_force", "minimum_film_thickness"]
@@ -76,4 +79,4 @@ def main(fmu=FMU, ssp=SSP, parameters=None):
 
 
 if __name__ == "__main__":
-    main()
+    main(**options(__doc__, ssp=SSP))

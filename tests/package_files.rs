@@ -8,6 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use cartilage_contact::fmi::archive::Contents;
 use cartilage_contact::fmi::instance::Instance;
 use cartilage_contact::fmi::log::Log;
 use cartilage_contact::fmi::standard::Standard;
@@ -47,7 +48,7 @@ fn equal_input_gives_the_same_bytes() {
     for standard in [Standard::Fmi2, Standard::Fmi3] {
         let made = ["one", "two"].map(|name| {
             let path = folder.join(name).join("CartilageLineContact.fmu");
-            archive::package(std::slice::from_ref(&library), standard, None, &path).unwrap();
+            archive::package(std::slice::from_ref(&library), standard, Contents::default(), &path).unwrap();
             std::fs::read(path).unwrap()
         });
         assert!(made[0] == made[1], "{standard:?}");
@@ -59,8 +60,9 @@ fn a_missing_or_foreign_library_is_named_with_what_to_run() {
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no.fmu");
     for library in ["nowhere/libcartilage_contact.so", "Cargo.toml"] {
         let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(library);
-        let message =
-            archive::package(std::slice::from_ref(&library), Standard::Fmi2, None, &output).unwrap_err().to_string();
+        let message = archive::package(std::slice::from_ref(&library), Standard::Fmi2, Contents::default(), &output)
+            .unwrap_err()
+            .to_string();
         assert!(
             message.contains(&library.display().to_string()) && message.contains("cargo build --release"),
             "{message}"
@@ -85,9 +87,9 @@ fn time(step: i32) -> f64 {
     start + (stop - start) * f64::from(step) / f64::from(STEPS)
 }
 
-/// The input of the reference experiment: from 10 micron of clearance to 10 micron of penetration.
+/// The input of the reference experiment: from 10 micron of clearance to 20 micron of penetration, and back.
 fn depth(step: i32) -> f64 {
-    f64::from(step - STEPS / 2) * 2e-6
+    f64::from(20 - 6 * (step - STEPS / 2).abs()) * 1e-6
 }
 
 #[test]

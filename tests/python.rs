@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-use cartilage_contact::fmi::archive;
+use cartilage_contact::fmi::archive::{self, Contents};
 use cartilage_contact::fmi::boundary::Logger;
 use cartilage_contact::fmi::fmi2::fmi2CallbackFunctions;
 use cartilage_contact::fmi::fmi3::{fmi3Boolean, fmi3LogMessageCallback};
@@ -67,15 +67,55 @@ fn importers_run_the_fmus() {
     let libraries = [archive::library_beside(Path::new(PROGRAM))];
     let [_, fmi3] = archive::outputs(&fmu);
     let reduced = reduced_model();
-    archive::package(&libraries, Standard::Fmi2, Some(&reduced), &fmu).unwrap();
-    archive::package(&libraries, Standard::Fmi3, Some(&reduced), &fmi3).unwrap();
+    let contents = Contents { reduced: Some(&reduced), slim: false };
+    archive::package(&libraries, Standard::Fmi2, contents, &fmu).unwrap();
+    archive::package(&libraries, Standard::Fmi3, contents, &fmi3).unwrap();
+    let slim = Contents { reduced: None, slim: true };
+    let narrow = [fmu.with_file_name("slim.fmu"), fmu.with_file_name("slim.fmi3.fmu")];
+    archive::package(&libraries, Standard::Fmi2, slim, &narrow[0]).unwrap();
+    archive::package(&libraries, Standard::Fmi3, slim, &narrow[1]).unwrap();
     run(Command::new(python())
         .args(["-m", "pytest", "--verbose", "-p", "no:cacheprovider", "--basetemp"])
         .arg(folder("pytest"))
         .arg(Path::new(ROOT).join("tests/fmi"))
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("FMU", &fmu)
-        .env("FMU3", &fmi3));
+        .env("FMU3", &fmi3)
+        .env("SLIM", &narrow[0])
+        .env("SLIM3", &narrow[1]));
+}
+
+/// In an environment of its own, with nothing of this repository but the built package.
+#[test]
+fn the_python_package_installs_and_runs() {
+    let built = folder("built");
+    for path in [PathBuf::from(PROGRAM), archive::library_beside(Path::new(PROGRAM))] {
+        fs::copy(&path, built.join(path.file_name().unwrap())).unwrap();
+    }
+    run(Command::new(PROGRAM).args(["package", "--output"]).arg(built.join("CartilageLineContact.fmu")));
+    let environment = folder("package");
+    let python = environment.join("bin/python");
+    run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&environment));
+    run(Command::new(&python)
+        .args(["-m", "pip", "install", "--quiet", "pytest"])
+        .arg(format!("{ROOT}[tables]"))
+        .env("CARTILAGE_CONTACT_BUILT", &built));
+    let path = format!("{}:{}", environment.join("bin").display(), std::env::var("PATH").unwrap_or_default());
+    run(Command::new(&python)
+        .args([
+            "-m",
+            "pytest",
+            "--verbose",
+            "-p",
+            "no:cacheprovider",
+            "--doctest-modules",
+            "--pyargs",
+            "cartilage_contact",
+        ])
+        .arg(Path::new(ROOT).join("python/tests"))
+        .current_dir(&environment)
+        .env("PATH", path)
+        .env("PYTHONDONTWRITEBYTECODE", "1"));
 }
 
 /// A header of our functions, as cbindgen reads them from these sources.

@@ -4,7 +4,6 @@ mod case;
 mod figures;
 mod format;
 mod gait;
-mod importer;
 mod package;
 mod presets;
 mod press_and_release;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use cartilage_contact::files;
-use cartilage_contact::fmi::archive;
+use cartilage_contact::fmi::archive::{self, Contents};
 use cartilage_contact::fmi::standard::Standard;
 use cartilage_contact::reduced::ReducedModel;
 
@@ -22,11 +22,16 @@ pub struct Arguments {
     /// Where to write the FMU of FMI 2.0
     #[arg(long, value_name = "PATH", default_value = DEFAULT_OUTPUT)]
     output: PathBuf,
+
+    /// Outputs are real scalars only: for tools that read no arrays, integers and choices
+    #[arg(long)]
+    slim: bool,
 }
 
 /// Packs and prints where the FMUs are.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let [fmi2, fmi3] = package(&arguments.library, None, &arguments.output)?;
+    let contents = Contents { slim: arguments.slim, ..Contents::default() };
+    let [fmi2, fmi3] = write(&arguments.library, contents, &arguments.output)?;
     print(&format!("{}\n{}\n", fmi2.display(), fmi3.display()))
 }
 
@@ -49,9 +54,13 @@ pub fn prepare(libraries: &[PathBuf], output: &Path) -> Result<(), Failure> {
 
 /// Writes both FMUs, and the folder they go into if that is missing; returns where they are.
 pub fn package(libraries: &[PathBuf], reduced: Option<&ReducedModel>, output: &Path) -> Result<[PathBuf; 2], Failure> {
+    write(libraries, Contents { reduced, ..Contents::default() }, output)
+}
+
+fn write(libraries: &[PathBuf], contents: Contents, output: &Path) -> Result<[PathBuf; 2], Failure> {
     let libraries = packed(libraries)?;
     let outputs = archive::outputs(output);
-    archive::package(&libraries, Standard::Fmi2, reduced, &outputs[0])?;
-    archive::package(&libraries, Standard::Fmi3, reduced, &outputs[1])?;
+    archive::package(&libraries, Standard::Fmi2, contents, &outputs[0])?;
+    archive::package(&libraries, Standard::Fmi3, contents, &outputs[1])?;
     Ok(outputs)
 }

@@ -4,12 +4,13 @@ use std::path::Path;
 use std::time::Duration;
 
 use cartilage_contact::files;
-use cartilage_contact::outputs::{Regime, STATIONS};
+use cartilage_contact::fmi::archive;
+use cartilage_contact::fmi::importer::Importer;
+use cartilage_contact::outputs::Regime;
 use cartilage_contact::variables::{self, Type};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::figures::press_and_release::{Film, Profile};
-use super::importer::Importer;
 use super::{Failure, figures, format, package, print};
 
 /// Clearance at the start, and depth at the end of pressing, in steps of a micron.
@@ -47,7 +48,7 @@ pub fn run() -> Result<(), Failure> {
         print(&format!("Built {} ({:.1} MB)\n", path.display(), size as f64 / 1e6))?;
     }
 
-    let recording = record(fmu).map_err(Failure::Failed)?;
+    let recording = record(&archive::outputs(fmu)[1]).map_err(Failure::Failed)?;
     print(&table(&recording))?;
 
     let stem = fmu.with_file_name("press_and_release");
@@ -110,12 +111,14 @@ fn record(fmu: &Path) -> Result<Recording, String> {
         result.map_err(|error| format!("the FMU stopped at a penetration depth of {depth} um: {error}"))?;
 
         let mut row = vec![time];
-        row.extend(importer.reals(&reals)?);
+        for name in &reals {
+            row.push(importer.real(name)?);
+        }
         for name in &integers {
             row.push(f64::from(importer.integer(name)?));
         }
         recording.rows.push(row);
-        let regime = importer.integer("lubrication_regime")?;
+        let regime = importer.enumeration("lubrication_regime")?;
         let regime = usize::try_from(regime - 1).ok().and_then(|index| Regime::ITEMS.get(index));
         recording.regimes.push(regime.map_or("unknown", |(name, _)| name));
         if index as i32 <= LAST - FIRST && PROFILED.contains(&depth) {
@@ -128,17 +131,13 @@ fn record(fmu: &Path) -> Result<Recording, String> {
 }
 
 fn profile(importer: &Importer, depth: f64, time: f64) -> Result<Profile, String> {
-    let stations = |name: &str| {
-        let names: Vec<String> = (1..=STATIONS).map(|i| format!("{name}[{i}]")).collect();
-        importer.reals(&names)
-    };
     Ok(Profile {
         depth,
         time,
-        position: stations("position")?,
-        film_thickness: stations("film_thickness")?,
-        fluid_pressure: stations("fluid_pressure")?,
-        contact_pressure: stations("contact_pressure")?,
+        position: importer.profile("position")?,
+        film_thickness: importer.profile("film_thickness")?,
+        fluid_pressure: importer.profile("fluid_pressure")?,
+        contact_pressure: importer.profile("contact_pressure")?,
     })
 }
 

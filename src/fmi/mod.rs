@@ -11,8 +11,10 @@
 //! | [`derivatives`] | of outputs with respect to inputs and time |
 //! | [`state`] | saved states and their bytes |
 //! | [`description`] | `modelDescription.xml` |
+//! | [`slim`] | the same for importers that know a part of the standard |
 //! | [`documentation`] | `documentation/index.html` |
 //! | [`archive`] | the `.fmu` files |
+//! | `importer` | the other side of the interface, for the command line |
 //! | [`boundary`] | handles, slices and strings from C, panics |
 //! | [`fmi2`] | the 34 functions of FMI 2.0 for co-simulation |
 //! | [`fmi3`] | the 75 functions of FMI 3.0 |
@@ -24,11 +26,14 @@ pub mod description;
 pub mod documentation;
 pub mod fmi2;
 pub mod fmi3;
+#[cfg(feature = "cli")]
+pub mod importer;
 pub mod instance;
 pub mod log;
 pub mod model;
 pub mod phase;
 pub mod resources;
+pub mod slim;
 pub mod standard;
 pub mod state;
 

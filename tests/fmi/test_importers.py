@@ -1,14 +1,16 @@
 """FMPy runs both FMUs; libcosim, which knows FMI 2 only, runs that."""
 
+import os
 import threading
 
 import numpy as np
 import pytest
 from conftest import COARSE
-from fmpy import extract, simulate_fmu
+from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
 
 RAMP = np.array([(0.0, -10e-6), (1.0, 5e-6)], dtype=[("time", float), ("penetration_depth", float)])
 OUTPUTS = ["load", "penetration_depth", "newton_iterations", "lubrication_regime"]
@@ -41,6 +43,19 @@ def test_a_preset_with_other_values_in_any_order(fmu, description):
     assert found["both"] > 1.01 * found["alone"], "a thinner layer is stiffer"
     paper = simulate_fmu(fmu, start_values={"sliding_speed": 0.1, **COARSE}, stop_time=0.1, output=["load"])
     assert abs(found["alone"] / paper["load"][-1] - 1) > 0.01
+
+
+@pytest.mark.parametrize("which, whole", [("SLIM", "FMU"), ("SLIM3", "FMU3")])
+def test_the_slim_fmu_has_real_scalars_only_and_the_same_numbers(which, whole):
+    slim, whole = os.environ[which], os.environ[whole]
+    assert not validate_fmu(slim)
+    description = read_model_description(slim)
+    outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
+    assert {variable.type for variable in outputs} <= {"Real", "Float64"}
+    assert not any(variable.dimensions or "[" in variable.name for variable in description.modelVariables)
+    assert {unknown.variable.name for unknown in description.outputs} == {variable.name for variable in outputs}
+    narrow, full = (simulate(fmu, output=["load", "friction_coefficient"]) for fmu in (slim, whole))
+    assert (narrow == full).all()
 
 
 def test_load_rises_along_a_ramp(fmu):

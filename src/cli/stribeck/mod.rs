@@ -1,5 +1,6 @@
 //! `cartilage-contact stribeck`: the states of a case over penetration depth and speed, as a table and as figures.
 
+#[cfg(feature = "parquet")]
 mod parquet;
 mod table;
 
@@ -27,7 +28,7 @@ const PAPER_DEPTHS: &str = "-10e-6:100e-6:1e-6";
 
 const EXAMPLES: &str = "\
 Lists are SI numbers: 0,12e-6,50e-6 or from:to:step, ends included, or both: -10e-6:20e-6:1e-6,30e-6. Everything goes into \
-one folder: case.toml (what was solved), stribeck.csv and stribeck.parquet (one row a state, columns named as the FMU's variables), the \
+one folder: case.toml (what was solved), stribeck.csv (one row a state, columns named as the FMU's variables; also stribeck.parquet where the program was built with --features parquet), the \
 Stribeck figure, and for --fields two figures and two VTU files (for ParaView) a state. A run that was stopped goes on from the table \
 in the folder; a folder with another case, or one that another run is writing to, is refused.
 

@@ -12,7 +12,6 @@ use cartilage_contact::parameters::{Inputs, PARAMETERS, Value};
 use cartilage_contact::simulation::{Input, Simulation};
 use cartilage_contact::variables::{self, Source, Type, VARIABLES, Variable, View};
 
-use super::parquet::{self, Column};
 use crate::cli::format;
 
 /// Rows of text under the names of the FMU's variables.
@@ -124,6 +123,14 @@ impl Table {
         let order = |row: &Vec<String>| [1, 0].map(|index| row[index].parse::<f64>().unwrap_or(f64::NAN));
         self.rows.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal));
         self.writer = rewrite(&self.path, &self.rows)?;
+        #[cfg(feature = "parquet")]
+        self.write_parquet()?;
+        Ok(())
+    }
+
+    #[cfg(feature = "parquet")]
+    fn write_parquet(&self) -> Result<(), Error> {
+        use super::parquet::{self, Column};
         let cases = self.rows.iter().filter_map(|row| row.last().cloned()).collect();
         let columns: Vec<_> = columns()
             .map(|variable| {
@@ -138,13 +145,8 @@ impl Table {
             })
             .chain([(CASE, Column::Words(cases))])
             .collect();
-        let path = self.parquet_path();
+        let path = self.path.with_extension("parquet");
         files::replace(&path, &parquet::file(&columns).map_err(|error| unwritten(&path, error))?)
-    }
-
-    /// Where the Parquet file is.
-    pub fn parquet_path(&self) -> PathBuf {
-        self.path.with_extension("parquet")
     }
 
     /// A column of numbers.
