@@ -12,6 +12,7 @@ use super::steady::PATIENCE;
 use crate::equations::system::{Contents, Rates};
 use crate::error::Error;
 use crate::parameters::{Control, Inputs};
+use crate::solver::deadline::Deadline;
 use crate::solver::newton;
 use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
 
@@ -329,6 +330,8 @@ pub(super) fn replay(
     drive: &Drive,
     mut visit: impl FnMut(&mut Bodies, &Stage, f64) -> Result<(), String>,
 ) -> Result<(), String> {
+    // Long after the step, perhaps.
+    bodies.deadline = Deadline::after(bodies.parameters.maximum_solve_time);
     let mut walker = Walker::new(bodies, last, None);
     let mut time = 0.0;
     for step in &last.steps {
