@@ -237,7 +237,7 @@ impl Solved<'_> {
         let cavitated_length = torn.fold(0.0, |sum, i| sum + length_at(i));
 
         let outflow = system.film_outflow(self.at, change);
-        let outflow = outflow[1..outflow.len() - 1].iter().map(|v| Dual64::new(v[0], v[1]));
+        let outflow = outflow.iter().map(|v| Dual64::new(v[0], v[1]));
 
         // A film that may tear has its pressure in straight lines from node to node.
         let least_pressure = match p.cavitation {
