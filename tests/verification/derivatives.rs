@@ -137,7 +137,7 @@ fn of_rough_surfaces() {
     };
     for pressure_order in [1, 2] {
         let mut simulation = Simulation::new(&Parameters { pressure_order, ..parameters }).unwrap();
-        for (micron, ratio) in [(5.0, 0.3), (20.0, 0.0), (20.0, 0.5), (30.0, 1.5)] {
+        for (micron, ratio) in [(6.0, 0.3), (20.0, 0.0), (20.0, 0.5), (30.0, 1.5)] {
             let at = Inputs {
                 penetration_depth: micron * 1e-6,
                 sliding_speed: 0.05,
@@ -148,7 +148,7 @@ fn of_rough_surfaces() {
             let o = simulation.outputs();
             println!("{at}: L {} L_s {} h_min {}", o.load, o.solid_load, o.minimum_film_thickness);
         }
-        assert!(simulation.outputs().solid_load > 0.1 * simulation.outputs().load);
+        assert!(simulation.outputs().solid_load > 0.02 * simulation.outputs().load);
     }
 }
 
