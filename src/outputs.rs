@@ -2,6 +2,7 @@
 //!
 //! `results.rs` declares the results; here they are computed.
 
+mod resolution;
 mod results;
 
 use num_dual::Dual64;
@@ -13,6 +14,7 @@ use crate::fem::mesh::graded;
 use crate::laws::contact::mobilised_friction;
 use crate::parameters::Parameters;
 use crate::solver::linear::FIXED;
+use resolution::Resolution;
 pub(crate) use results::{Derived, Direct};
 pub use results::{Get, Interpolation, Mirror, Outputs, RESULTS, RealTime, ResultRow};
 
@@ -119,10 +121,14 @@ pub fn profile_stations(half_width: f64) -> Vec<f64> {
 }
 
 impl Solved<'_> {
-    /// Results.
-    pub fn outputs(&self) -> Outputs {
+    /// Results, and what mesh and sector do not resolve.
+    pub fn outputs(&self) -> (Outputs, Vec<String>) {
         let none = Change::none(self.system.unknowns(), self.system.stations.len());
-        self.along(&none).map(|dual| dual.re)
+        let mut outputs = self.along(&none).map(|dual| dual.re);
+        let Resolution { load_error, warnings } = self.resolution(outputs.maximum_von_mises_stress);
+        outputs.estimated_load_error = load_error;
+        outputs.well_resolved = warnings.is_empty();
+        (outputs, warnings)
     }
 
     /// Derivatives of the results along a change of the solution: the formulas below, differentiated by dual numbers.
@@ -237,7 +243,7 @@ impl Solved<'_> {
         let cavitated_length = torn.fold(0.0, |sum, i| sum + length_at(i));
 
         let outflow = system.film_outflow(self.at, change);
-        let outflow = outflow[1..outflow.len() - 1].iter().map(|v| Dual64::new(v[0], v[1]));
+        let outflow = outflow.iter().map(|v| Dual64::new(v[0], v[1]));
 
         // A film that may tear has its pressure in straight lines from node to node.
         let least_pressure = match p.cavitation {

@@ -9,7 +9,7 @@ use super::{Failure, format, print};
 /// Prints the values, then the sources.
 pub fn run() -> Result<(), Failure> {
     let mut text = "| preset | number | aggregate modulus [MPa] | Poisson's ratio | shear modulus [MPa] | bulk modulus [MPa] | \
-                    hydraulic permeability [m^4/(N s)] | permeability [m^2] | thickness [mm] | mesh |\n|---|---|---|---|---|---|---|---|---|---|\n"
+                    hydraulic permeability [m^4/(N s)] | permeability [m^2] | thickness [mm] | roughness [um] | mesh |\n|---|---|---|---|---|---|---|---|---|---|---|\n"
         .to_owned();
     for (row, number) in PRESETS.iter().zip(1..) {
         let body = row.preset.parameters().upper;
@@ -25,7 +25,8 @@ pub fn run() -> Result<(), Failure> {
             measured(|tissue| tissue.hydraulic_permeability),
             format::number(body.permeability, 4),
             format::number(body.thickness * 1e3, 4),
-            format!("{} x {}", mesh.columns, mesh.rows),
+            measured(|tissue| tissue.roughness * 1e6),
+            if mesh.columns == 0 { "automatic".into() } else { format!("{} x {}", mesh.columns, mesh.rows) },
         ];
         let _ = writeln!(text, "| `{}` | {number} | {} |", row.name, values.join(" | "));
     }

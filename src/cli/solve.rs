@@ -53,6 +53,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let case = case(arguments)?;
     let mut simulation = Simulation::new(&case.parameters)?;
     simulation.solve_steady(case.inputs)?;
+    for warning in simulation.warnings() {
+        eprintln!("warning: {warning}");
+    }
     print(&if arguments.json { json(&mut simulation)? } else { table(&mut simulation)? })
 }
 
@@ -94,6 +97,7 @@ fn json(simulation: &mut Simulation) -> Result<String, Failure> {
             stations.push(json_value(variable.get(&view)));
         }
     }
+    object.insert("warnings".into(), simulation.warnings().into());
     let mut text = serde_json::to_string(&object).map_err(|error| Failure::Failed(error.to_string()))?;
     text.push('\n');
     Ok(text)

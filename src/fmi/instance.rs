@@ -46,6 +46,8 @@ pub struct Instance {
     pub(super) model: Option<Model>,
     /// Where the importer unpacked the FMU's resources.
     resources: Option<String>,
+    /// Kinds of warnings that the importer was told.
+    told: Vec<String>,
 }
 
 /// Masters add up step sizes; this much of a time or a step is taken for rounding.
@@ -58,7 +60,7 @@ fn later(a: f64, b: f64, step: f64) -> bool {
 impl Instance {
     /// A fresh instance with the start values of the table.
     pub fn new(standard: Standard, log: Log) -> Self {
-        Self { standard, log, settings: Settings::default(), model: None, resources: None }
+        Self { standard, log, settings: Settings::default(), model: None, resources: None, told: Vec::new() }
     }
 
     /// The same with the URI (FMI 2) or path (FMI 3) of the folder of resources.
@@ -384,6 +386,14 @@ impl Instance {
         solve(model)?;
         self.settings.solved = true;
         self.log.add(Status::Ok, Category::Solver, model.report());
+        for warning in model.warnings() {
+            // Each kind is told once: a run of many steps would repeat it with other numbers.
+            let kind = warning.split(|c: char| c.is_ascii_digit()).next().unwrap_or_default();
+            if !self.told.iter().any(|told| told == kind) {
+                self.told.push(kind.into());
+                self.log.add(Status::Warning, Category::Solver, format!("time {}: {warning}", self.settings.time));
+            }
+        }
         Ok(())
     }
 }

@@ -148,6 +148,14 @@ impl Model {
         format!("solved {inputs:?}: {how}, {:.6e} N/m", outputs.load)
     }
 
+    /// What mesh and sector do not resolve of the last solution.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Self::Full(simulation) => simulation.warnings(),
+            Self::Reduced(_) => &[],
+        }
+    }
+
     /// A line for the log when the real-time model was read: what it covers and its measured error.
     pub fn introduction(&self) -> Option<String> {
         match self {

@@ -98,9 +98,15 @@ impl Roughness {
     pub fn inverse_thickness(&self, thickness: f64) -> (f64, f64) {
         let length = 3.0 * self.rms;
         let z = thickness / length;
-        if z > 50.0 {
-            // The same to 1e-5.
-            return (1.0 / thickness, -1.0 / (thickness * thickness));
+        if z > 3.0 {
+            // The closed form would cancel. Moments of the density: m_(k+1) = m_k (k + 1/2) / (k + 9/2).
+            let (mut term, mut value, mut slope) = (1.0 / thickness, 0.0, 0.0);
+            for k in (0..14).map(f64::from) {
+                value += term;
+                slope -= (2.0 * k + 1.0) * term / thickness;
+                term *= (k + 0.5) / ((k + 4.5) * z * z);
+            }
+            return (value, slope);
         }
         let cube = (1.0 - z * z).powi(3);
         let cube_slope = -6.0 * z * (1.0 - z * z).powi(2);
@@ -208,6 +214,10 @@ mod tests {
         }
         let (far, _) = ROUGH.inverse_thickness(1e-4);
         assert_relative_eq!(far, 1e4, max_relative = 1e-4);
+        // No jump of value or slope where the series takes over.
+        let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|near| ROUGH.inverse_thickness(9.0 * near * ROUGH.rms));
+        assert_relative_eq!(below.0, above.0, max_relative = 1e-8);
+        assert_relative_eq!(below.1, above.1, max_relative = 1e-8);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::laws::Formulation;
 
-use super::{Body, Mesh, Parameters};
+use super::{Body, Mesh, MeshDistribution, Parameters};
 
 /// Where all parameters start from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -21,7 +21,7 @@ pub enum Preset {
     Osteoarthritic,
 }
 
-/// Cartilage as tests of the biphasic theory report it, and the mesh that it needs.
+/// Cartilage as tests of the biphasic theory report it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tissue {
     /// Aggregate modulus H_A: drained, in uniaxial strain [Pa].
@@ -32,9 +32,8 @@ pub struct Tissue {
     pub hydraulic_permeability: f64,
     /// Thickness of the layer [m].
     pub thickness: f64,
-    /// Elements along the surface. The less a tissue is permeable and the more it is compressible when drained, the more it
-    /// takes until it keeps its volume on the way through the sector.
-    pub columns: i32,
+    /// Combined root mean square roughness of two such surfaces [m].
+    pub roughness: f64,
 }
 
 /// One row of [`PRESETS`].
@@ -75,7 +74,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.025,
             hydraulic_permeability: 3.55e-15,
             thickness: 2.5e-3,
-            columns: 480,
+            roughness: 0.3e-6,
         }),
     },
     PresetRow {
@@ -89,7 +88,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.10,
             hydraulic_permeability: 1.18e-15,
             thickness: 2.3e-3,
-            columns: 960,
+            roughness: 0.3e-6,
         }),
     },
     PresetRow {
@@ -104,7 +103,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.125,
             hydraulic_permeability: 7.6e-15,
             thickness: 1.78e-3,
-            columns: 480,
+            roughness: 0.3e-6,
         }),
     },
     PresetRow {
@@ -120,7 +119,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.03,
             hydraulic_permeability: 3.62e-16,
             thickness: 1.5e-3,
-            columns: 1920,
+            roughness: 0.3e-6,
         }),
     },
     PresetRow {
@@ -136,7 +135,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.1,
             hydraulic_permeability: 6.5e-14,
             thickness: 2.0e-3,
-            columns: 480,
+            roughness: 0.75e-6,
         }),
     },
 ];
@@ -165,8 +164,8 @@ impl Tissue {
 }
 
 impl Preset {
-    /// All parameters: Table 2 of the paper; for a tissue with the tissue in both bodies, the consistent formulation and a mesh
-    /// for its permeability.
+    /// All parameters: Table 2 of the paper; for a tissue with the tissue in both bodies, the consistent formulation, rough
+    /// surfaces, and sector and mesh left to the program.
     pub fn parameters(self) -> Parameters {
         let paper = Parameters::default();
         let Some(tissue) = &PRESETS[self as usize].tissue else { return paper };
@@ -182,8 +181,10 @@ impl Preset {
             upper: body,
             lower: body,
             formulation: Formulation::Consistent,
-            // Pore pressure changes within some microns of the surface; the uppermost elements are 7 to 12 micron thick.
-            mesh: Mesh { columns: tissue.columns, rows: 14, row_grading: 5.0, ..paper.mesh },
+            sector_half_angle: 0.0,
+            mesh: Mesh { columns: 0, rows: 0, ..paper.mesh },
+            mesh_distribution: MeshDistribution::Contact,
+            surface_roughness: tissue.roughness,
             pressure_order: 1,
             preset: self,
             ..paper

@@ -244,6 +244,15 @@ impl Bodies {
         tangent.slope(system, input)
     }
 
+    /// The same fields on the mesh of another contact.
+    pub fn remeshed(&mut self, point: &Point, contact_half_width: f64) -> Point {
+        let system = self.system_of(point);
+        let unknowns = system.interpolated(&point.unknowns, contact_half_width);
+        let active = system.interpolated_contact(&point.active, contact_half_width);
+        let contact_forces = vec![0.0; active.len()];
+        Point { contact_half_width, unknowns, active, contact_forces, ..point.clone() }
+    }
+
     /// The same solution in the unknowns of one body or of two.
     pub fn converted(&mut self, point: Point, mirrored: bool) -> Point {
         if point.mirrored == mirrored {

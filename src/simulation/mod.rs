@@ -74,6 +74,9 @@ impl Path {
     }
 }
 
+/// In time the mesh is made anew where the contact's width differs by this much from what it is made for, as a logarithm.
+const FARTHEST: f64 = 0.05;
+
 /// Two cartilage layers with a film between them.
 #[derive(Debug)]
 pub struct Simulation {
@@ -81,6 +84,8 @@ pub struct Simulation {
     state: Option<State>,
     inputs: Inputs,
     outputs: Outputs,
+    /// What mesh and sector do not resolve.
+    warnings: Vec<String>,
     position: Vec<f64>,
     /// Of the present state, once they were asked for.
     derivatives: Option<Derivatives>,
@@ -105,6 +110,7 @@ impl Simulation {
             state: None,
             inputs: Inputs::default(),
             outputs: nothing(),
+            warnings: Vec::new(),
             position,
             derivatives: None,
             rates: None,
@@ -160,7 +166,12 @@ impl Simulation {
             Path::Steady(..) => None,
             Path::Transient(motion) => Some(&**motion),
         };
-        let (point, motion, iterations) = transient::advance(&mut self.bodies, &state.point, motion, &drive, duration)?;
+        // The mesh goes along with the contact from step to step. What is left behind is a guess of the next step's motion.
+        let wanted = self.bodies.contact_half_width(&drive.at(duration));
+        let stays = (wanted / state.point.contact_half_width).ln().abs() < FARTHEST || wanted == 0.0;
+        let (start, motion) =
+            if stays { (state.point.clone(), motion) } else { (self.bodies.remeshed(&state.point, wanted), None) };
+        let (point, motion, iterations) = transient::advance(&mut self.bodies, &start, motion, &drive, duration)?;
         self.accept(State {
             point,
             iterations: iterations as i32,
@@ -199,7 +210,7 @@ impl Simulation {
         let system = self.bodies.system_of(&state.point);
         self.position = profile_stations(system.half_width());
         let solved = Solved { system, parameters: &parameters, at: state.point.at(rates.as_ref()) };
-        self.outputs = solved.outputs();
+        (self.outputs, self.warnings) = solved.outputs();
         self.outputs.newton_iterations = state.iterations;
         self.inputs = state.drive.at(state.duration);
         self.state = Some(state);
@@ -209,6 +220,11 @@ impl Simulation {
     /// Results of the last solution.
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
+    }
+
+    /// What mesh and sector do not resolve of the last solution, one sentence each with what to do; none where all is well.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     fn differentiated(&mut self) -> Result<&Derivatives, Error> {
@@ -284,7 +300,7 @@ impl Simulation {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         let Some(state) = &snapshot.0 else {
             self.state = None;
-            (self.inputs, self.outputs) = (Inputs::default(), nothing());
+            (self.inputs, self.outputs, self.warnings) = (Inputs::default(), nothing(), Vec::new());
             (self.derivatives, self.rates) = (None, None);
             return Ok(());
         };

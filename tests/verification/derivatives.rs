@@ -1,13 +1,14 @@
 //! The derivatives that `Simulation::derivatives` reports against central differences of re-solved states.
 //!
-//! Varied: formulation, film and contact, slide-to-roll ratio, all three inputs, every output and its profiles. Fourth-order
+//! Varied: formulation, film and contact, smooth and rough surfaces, slide-to-roll ratio, all three inputs, every output and its
+//! profiles. Fourth-order
 //! differences over short steps (Newton's tolerance 1e-11), so that no station enters or leaves the contact. Tolerance: 1e-6 of
 //! the derivative plus 1e-6 of the output's size over the input's scale (10 micron, 0.2 m/s, 1). Of two equal bodies that move
 //! alike the more stressed one changes where the slide-to-roll ratio passes zero: there the largest von Mises stress has a kink,
 //! and is left out.
 
 use cartilage_contact::outputs::Outputs;
-use cartilage_contact::parameters::{Formulation, Inputs, Mesh, Parameters};
+use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::{Input, Simulation};
 
 /// The numbers of the outputs that are differentiable, with their names.
@@ -116,6 +117,38 @@ fn in_film_and_in_contact() {
                 micron > 20.0 || (micron > 12.0 && formulation == Formulation::Paper)
             );
         }
+    }
+}
+
+/// Rough surfaces in film and in contact, with boundary friction on the tissue and fluid pressure in real contact. A rough contact's
+/// length and least film have a kink where a node passes three times the roughness: steps are short.
+#[test]
+fn of_rough_surfaces() {
+    let body = Body { permeability: 1e-17, biot_coefficient: 1.0, ..Parameters::default().upper };
+    let parameters = Parameters {
+        upper: body,
+        lower: Body { shear_modulus: 0.7e6, thickness: 1.2e-3, ..body },
+        formulation: Formulation::Consistent,
+        tolerance: 1e-12,
+        surface_roughness: 0.5e-6,
+        solid_fraction: 0.1,
+        mesh: Mesh { columns: 60, rows: 4, column_grading: 2.5, row_grading: 2.0 },
+        ..Parameters::default()
+    };
+    for pressure_order in [1, 2] {
+        let mut simulation = Simulation::new(&Parameters { pressure_order, ..parameters }).unwrap();
+        for (micron, ratio) in [(6.0, 0.3), (20.0, 0.0), (20.0, 0.5), (30.0, 1.5)] {
+            let at = Inputs {
+                penetration_depth: micron * 1e-6,
+                sliding_speed: 0.05,
+                slide_to_roll_ratio: ratio,
+                ..Inputs::NONE
+            };
+            compare(&mut simulation, at, [1e-10, 2e-6, 1e-5]);
+            let o = simulation.outputs();
+            println!("{at}: L {} L_s {} h_min {}", o.load, o.solid_load, o.minimum_film_thickness);
+        }
+        assert!(simulation.outputs().solid_load > 0.02 * simulation.outputs().load);
     }
 }
 

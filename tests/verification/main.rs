@@ -16,6 +16,7 @@ mod dry_contact;
 mod film_alone;
 mod harmonic_pressure;
 mod identities;
+mod joint;
 mod mandel;
 mod paper_case;
 mod porous_film;

@@ -1,9 +1,10 @@
 //! Two bodies as the crate's own discrete system, with its unknowns in reach.
 
+use cartilage_contact::equations::inflow;
 use cartilage_contact::equations::system::{At, Change, Direction, Residual, System};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
 use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, quadratic, quadratic_derivative};
-use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::parameters::{Formulation, Inputs, Parameters};
 use cartilage_contact::solver::deadline::Deadline;
 use cartilage_contact::solver::linear::FIXED;
 use cartilage_contact::solver::newton;
@@ -27,7 +28,48 @@ pub struct Place {
     pub pressure_gradient: f64,
 }
 
+/// The film beyond an end of the sector, where the undeformed surfaces run on as a parabola (consistent formulation).
+pub struct Beyond {
+    /// Pressure at the end.
+    pub pressure: f64,
+    /// Fluid that leaves the sector there: by Reynolds' equation out to p = 0 at infinity.
+    pub outflow: f64,
+    /// int h p' dx beyond the end, and int dx/h.
+    pub shear: [f64; 2],
+}
+
 impl Pair {
+    /// The film beyond both ends; none in the paper's formulation. By the midpoint rule over t = s/(l + s).
+    pub fn beyond(&self, parameters: &Parameters) -> Vec<Beyond> {
+        if parameters.formulation == Formulation::Paper {
+            return Vec::new();
+        }
+        let (x, last) = (self.system.half_width(), self.system.stations.len() - 1);
+        let radii = [parameters.upper.outer_radius, parameters.lower.outer_radius];
+        let slope: f64 = radii.iter().map(|r| x / (r * r - x * x).sqrt()).sum();
+        let curvature: f64 = radii.iter().map(|r| 1.0 / r).sum();
+        let (eta, speed) = (parameters.viscosity, self.inputs.sliding_speed);
+        let ends = [(0, -1.0), (last, 1.0)].into_iter().map(|(station, side)| {
+            let gap = self.unknowns[self.system.layout.gap[station] as usize];
+            let pressure = self.pressure(0, station * self.levels());
+            let (length, n) = (gap / slope, 20_000);
+            let mut integrals = [0.0; 3];
+            for i in 0..n {
+                let t = (f64::from(i) + 0.5) / f64::from(n);
+                let s = length * t / (1.0 - t);
+                let weight = length / (1.0 - t).powi(2) / f64::from(n);
+                let h = gap + slope * s + 0.5 * curvature * s * s;
+                (0..3).for_each(|k| integrals[k] += weight / h.powi(k as i32 + 1));
+            }
+            let [one, two, three] = integrals;
+            // p' = 12 eta (U h/2 - Q)/h^3 from the end's pressure to none.
+            let flux = (0.5 * speed * two + side * pressure / (12.0 * eta)) / three;
+            let shear = [12.0 * eta * (0.5 * speed * one - flux * two), one];
+            Beyond { pressure, outflow: side * flux, shear }
+        });
+        ends.collect()
+    }
+
     pub fn new(parameters: &Parameters, mirrored: bool) -> Self {
         let system = System::new(parameters, mirrored, 0.0);
         let inputs = Inputs { sliding_speed: 0.0, ..Inputs::default() };
@@ -96,7 +138,7 @@ impl Pair {
     }
 
     /// What the tissue's elements add up to at the nodes of a body, without film and contact: forces on the tissue along x and y,
-    /// and fluid that flows in.
+    /// and fluid that flows in; with what the tissue carries out of the ends.
     pub fn reactions(&self, body: usize, speed: f64) -> [Vec<f64>; 3] {
         let layer = &self.system.layers[body];
         let mut reactions = [0; 3].map(|_| vec![0.0; layer.mesh.nodes.len()]);
@@ -105,11 +147,32 @@ impl Pair {
             let mut local = [0.0; LOCAL];
             let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
             layer.tissue.element(&layer.mesh, element, &at, speed, &VolumeRate::default(), terms).unwrap();
+            if layer.tissue.consistent {
+                let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
+                inflow::ends(&layer.tissue, &layer.mesh, element, &at, speed, terms);
+            }
             for (a, n) in layer.mesh.element_nodes(element).into_iter().enumerate() {
                 (0..3).for_each(|f| reactions[f][n] += local[f * NODES + a]);
             }
         }
         reactions
+    }
+
+    /// What the tissue of a body carries out of the sector: int alpha (J - 1) U v . n over the end where it leaves, J by the
+    /// determinant of the deformed place.
+    pub fn carried_out(&self, body: usize, speed: f64) -> f64 {
+        let layer = &self.system.layers[body];
+        let mut carried = 0.0;
+        for element in 0..layer.mesh.elements() {
+            let at = self.system.local(body, element, &self.unknowns, self.inputs.penetration_depth);
+            for point in layer.mesh.end_points(element).filter(|point| point.outflow * speed > 0.0) {
+                let [gx, gy] = &point.gradients;
+                let slope = |g: &[f64; NODES], first: usize| -> f64 { (0..NODES).map(|a| g[a] * at[first + a]).sum() };
+                let volume_ratio = (1.0 + slope(gx, 0)) * (1.0 + slope(gy, NODES)) - slope(gy, 0) * slope(gx, NODES);
+                carried += layer.tissue.biot_coefficient * (volume_ratio - 1.0) * speed * point.outflow;
+            }
+        }
+        carried
     }
 
     /// The quadrature points of the interface (pressure of order 2).

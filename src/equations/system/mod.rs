@@ -3,6 +3,7 @@
 mod load;
 mod residual;
 mod tangent;
+mod transfer;
 mod update;
 
 pub use load::{Loads, chain};

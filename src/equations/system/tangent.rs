@@ -399,7 +399,7 @@ impl System {
     }
 
     /// Fluid that flows from the bodies into the film at each station, V times weight [m^2/s], from the film's balance; and its
-    /// change.
+    /// change. Where the film ends with a given pressure there is no balance, and it counts as none.
     pub fn film_outflow(&self, at: At<'_>, change: &Change) -> Vec<[f64; 2]> {
         let mut outflow = vec![[0.0; 2]; self.stations.len()];
         for column in 0..self.layers[0].mesh.columns {
@@ -413,6 +413,19 @@ impl System {
                 outflow[2 * column + a][0] += terms.residual[a];
                 outflow[2 * column + a][1] += along + stored[a] + terms.by_speed[a] * change.inputs.sliding_speed;
             }
+        }
+        if self.film_ends.is_none() {
+            let last = outflow.len() - 1;
+            (outflow[0], outflow[last]) = ([0.0; 2], [0.0; 2]);
+        }
+        let levels = self.layers[0].mesh.levels();
+        for (station, end) in self.film_outflows(at.unknowns, at.inputs.sliding_speed) {
+            let changed = |number: u32| change.unknowns[number as usize];
+            let gap = changed(self.layout.gap[station]);
+            let pressure = changed(self.layout.pressure[0][station * levels]);
+            outflow[station][0] += end.value;
+            outflow[station][1] +=
+                end.by_gap * gap + end.by_pressure * pressure + end.by_speed * change.inputs.sliding_speed;
         }
         outflow
     }

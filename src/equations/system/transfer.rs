@@ -1,0 +1,67 @@
+//! Fields from the mesh of one contact on that of another: the functions of the one at the nodes of the other.
+
+use super::System;
+use crate::equations::grid::Grid;
+use crate::fem::element::{pressure, quadratic};
+use crate::solver::linear::FIXED;
+
+/// Where a place is on the present mesh: first station of the element, and the local coordinate.
+fn find(stations: &[f64], x: f64) -> (usize, f64) {
+    let last = stations.len() - 1;
+    let first = 2 * (stations.partition_point(|station| *station <= x).saturating_sub(1).min(last - 2) / 2);
+    let s = 2.0 * (x - stations[first]) / (stations[first + 2] - stations[first]) - 1.0;
+    (first, s.clamp(-1.0, 1.0))
+}
+
+impl System {
+    /// The unknowns on the mesh of a contact of this half-width. Beyond the present sector everything is as at its end.
+    pub fn interpolated(&self, unknowns: &[f64], contact_half_width: f64) -> Vec<f64> {
+        let grid = Grid::new(&self.parameters, contact_half_width);
+        let mut result = vec![0.0; unknowns.len()];
+        let levels = self.layers[0].mesh.levels();
+        let order = self.layers[0].mesh.pressure_order;
+        let layout = &self.layout;
+        for (station, x) in grid.stations.iter().enumerate() {
+            let (first, s) = find(&self.stations, *x);
+            let beyond = x.abs() > self.half_width();
+            let sum = |shape: [f64; 3], number: &dyn Fn(usize) -> u32| -> f64 {
+                (0..3)
+                    .filter(|a| number(first + a) != FIXED)
+                    .map(|a| shape[a] * unknowns[number(first + a) as usize])
+                    .sum()
+            };
+            let mut put = |number: u32, value: f64| {
+                if number != FIXED {
+                    result[number as usize] = value;
+                }
+            };
+            let gap = sum(quadratic(s), &|i| layout.gap[i]);
+            let end = if s > 0.0 { first + 2 } else { first };
+            let opening = if beyond { grid.touching_gap[station] - self.touching_gap[end] } else { 0.0 };
+            put(layout.gap[station], gap + opening);
+            if let Some(mean) = layout.mean.get(station) {
+                put(*mean, sum(quadratic(s), &|i| layout.mean[i]));
+            }
+            put(layout.void[station], sum(pressure(order, s), &|i| layout.void[i]).max(0.0));
+            for body in 0..self.layers.len() {
+                for level in 0..levels {
+                    let node = station * levels + level;
+                    let of = |numbers: &'_ [u32], shape| sum(shape, &|i| numbers[i * levels + level]);
+                    put(layout.horizontal[body][node], of(&layout.horizontal[body], quadratic(s)));
+                    put(layout.vertical[body][node], of(&layout.vertical[body], quadratic(s)));
+                    put(layout.pressure[body][node], of(&layout.pressure[body], pressure(order, s)));
+                }
+            }
+        }
+        result
+    }
+
+    /// Stations in contact, by the nearest ones of the present mesh.
+    pub fn interpolated_contact(&self, active: &[bool], contact_half_width: f64) -> Vec<bool> {
+        let nearest = |x: &f64| {
+            let (first, s) = find(&self.stations, *x);
+            active[first + (s + 1.0).round() as usize]
+        };
+        Grid::new(&self.parameters, contact_half_width).stations.iter().map(nearest).collect()
+    }
+}

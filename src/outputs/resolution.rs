@@ -1,0 +1,107 @@
+//! Whether mesh and sector are good enough for a solution, by signs that cost nothing.
+
+use super::Solved;
+use crate::equations::grid;
+use crate::equations::system::{Change, surface_speeds};
+use crate::parameters::Formulation;
+
+/// What can be said of a solution's resolution.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Resolution {
+    /// Estimated error of the load by the mesh, relative to the integral of the pressures' magnitude.
+    pub load_error: f64,
+    /// What is not resolved, one sentence each with what to do.
+    pub warnings: Vec<String>,
+}
+
+/// An estimated error above this is worth a warning.
+const LARGE_ERROR: f64 = 0.02;
+/// Pressure at an end of the sector over the largest one that is worth one.
+const LARGE_END: f64 = 0.03;
+/// Stress over pressure that no contact has.
+const LARGE_STRESS: f64 = 20.0;
+
+impl Solved<'_> {
+    /// Looks at pressures, stress and mesh of the solution.
+    pub(super) fn resolution(&self, von_mises: f64) -> Resolution {
+        let (system, p) = (self.system, self.parameters);
+        let none = Change::none(system.unknowns(), system.stations.len());
+        let levels = system.layers[0].mesh.levels();
+        let fluid = |i: usize| self.at.unknowns.get(system.layout.pressure[0][i * levels] as usize).copied();
+        let solid = system.contact_pressure(self.at, &none);
+        // Ends of elements, where pressures of both orders have a value.
+        let nodes: Vec<usize> = (0..system.stations.len()).step_by(2).collect();
+        let pressure: Vec<f64> = nodes.iter().map(|i| fluid(*i).unwrap_or(0.0) + solid[*i].re).collect();
+        let x: Vec<f64> = nodes.iter().map(|i| system.stations[*i]).collect();
+        let largest = pressure.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        if largest == 0.0 {
+            return Resolution::default();
+        }
+        // What straight lines miss of the integral: curvature times length^3 / 12.
+        let (mut missed, mut carried) = (0.0, 0.0);
+        for i in 1..x.len() - 1 {
+            let [before, after] = [x[i] - x[i - 1], x[i + 1] - x[i]];
+            let turn = (pressure[i + 1] - pressure[i]) / after - (pressure[i] - pressure[i - 1]) / before;
+            let length = 0.5 * (before + after);
+            missed += turn.abs() * length * length / 12.0;
+            carried += pressure[i].abs() * length;
+        }
+        let load_error = missed / carried;
+        let mut warnings = Vec::new();
+        if load_error > LARGE_ERROR {
+            warnings.push(format!(
+                "the pressures bend so much from column to column that the load may be off by {:.0} %: more mesh.columns, or \
+                 mesh.distribution = contact",
+                100.0 * load_error
+            ));
+        }
+        let consistent = p.formulation == Formulation::Consistent;
+        let ends = [pressure[0], pressure[pressure.len() - 1]];
+        let touching = [nodes[0], nodes[nodes.len() - 1]].map(|i| self.at.gap(system, i) < 3.0 * p.surface_roughness);
+        if consistent && (touching.contains(&true) || ends.iter().any(|end| end.abs() > LARGE_END * largest)) {
+            warnings.push("contact or pressure reaches the end of the sector: a larger sector_half_angle, or 0 for a sector that goes with the contact".into());
+        }
+        if von_mises > LARGE_STRESS * largest {
+            warnings.push(format!(
+                "the stress of the tissue, {von_mises:.2e} Pa, is far above every pressure: refine the mesh, or widen the sector"
+            ));
+        }
+        let inputs = self.at.inputs;
+        if consistent
+            && self.at.rates.is_none()
+            && inputs.penetration_depth > 1e-6
+            && pressure.iter().sum::<f64>() < 0.0
+        {
+            warnings.push("bodies that are pressed together pull at each other: refine the mesh".into());
+        }
+        let pressed: Vec<f64> = x.iter().zip(&pressure).filter(|(_, p)| **p > 0.1 * largest).map(|(x, _)| *x).collect();
+        let length = pressed.last().zip(pressed.first()).map_or(0.0, |(b, a)| b - a);
+        let film = (0..system.stations.len()).map(|i| self.at.gap(system, i)).fold(f64::INFINITY, f64::min);
+        for (layer, speed) in system.layers.iter().zip(surface_speeds(inputs)).filter(|(_, speed)| *speed != 0.0) {
+            let row = (layer.mesh.nodes[2][1] - layer.mesh.nodes[0][1])
+                .hypot(layer.mesh.nodes[2][0] - layer.mesh.nodes[0][0]);
+            let body = if layer.side > 0.0 { &p.upper } else { &p.lower };
+            let modulus = body.bulk_modulus + 4.0 / 3.0 * body.shear_modulus;
+            let depth = (layer.tissue.mobility * modulus * length / speed.abs()).sqrt();
+            // Where that layer takes up less fluid than the film holds it does not matter.
+            if consistent && row > depth && depth * largest / modulus > 0.1 * film {
+                warnings.push(format!(
+                    "fluid flows within {:.1e} m below the surface, and the uppermost elements are {row:.1e} m thick: more mesh.rows, a \
+                     stronger mesh.row_grading, or mesh.distribution = contact",
+                    depth
+                ));
+                break;
+            }
+        }
+        if grid::moves(p) {
+            let ratio = grid::contact_half_width(p, inputs) / system.contact_half_width();
+            if !(0.7..=1.4).contains(&ratio) {
+                warnings.push(format!(
+                    "the mesh is made for a contact {:.1} times as wide as the present one: start nearer to it",
+                    1.0 / ratio
+                ));
+            }
+        }
+        Resolution { load_error, warnings }
+    }
+}
