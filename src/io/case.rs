@@ -267,10 +267,10 @@ mod tests {
                 "case.toml:1: viscosity = 2020-01-01 is not allowed: a number from 1e-6 to 1e3 Pa.s",
             ),
             ("[viscosity]\nwater = 1", "case.toml:1: `viscosity` is a table, where one value is needed"),
-            ("mesh.columns = 12.5", "case.toml:1: mesh.columns = 12.5 is not allowed: a whole number from 8 to 2000"),
+            ("mesh.columns = 12.5", "case.toml:1: mesh.columns = 12.5 is not allowed: a whole number from 0 to 2000"),
             (
                 "mesh.columns = 99999999999999999999",
-                "case.toml:1: mesh.columns = 99999999999999999999 is not allowed: a whole number from 8 to 2000",
+                "case.toml:1: mesh.columns = 99999999999999999999 is not allowed: a whole number from 0 to 2000",
             ),
             (
                 "formulation = 'papr'",

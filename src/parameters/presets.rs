@@ -248,7 +248,7 @@ mod tests {
         for row in PARAMETERS.into_iter().filter(|row| row.name != "preset") {
             let mut parameters = Parameters::default();
             let value = match row.get(&parameters) {
-                Value::Real(v) => Value::Real(0.9 * v + 0.01 * f64::from(v == 0.0)),
+                Value::Real(v) => Value::Real(0.9 * v + 1e-5 * f64::from(v == 0.0)),
                 Value::Integer(v) => Value::Integer(if v == 2 { 1 } else { v + 3 }),
                 Value::Boolean(v) => Value::Boolean(!v),
                 Value::Text(_) => {
