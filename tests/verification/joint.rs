@@ -213,7 +213,7 @@ fn a_rough_joint_of_ten_kilonewton_per_metre() {
 }
 
 #[test]
-#[ignore = "three minutes"]
+#[ignore = "does not hold yet: support 0.9128 at 1 micron, and 50 kN/m is not tried; minutes"]
 fn rough_states_on_twice_the_mesh() {
     for (rms, micron, load, support, film, pressure) in [
         (1e-6, 454.1, 10e3, (0.909, 0.003), (0.474e-6, 1e-2), Some(0.741e6)),
