@@ -125,7 +125,7 @@ impl Solved<'_> {
     pub fn outputs(&self) -> (Outputs, Vec<String>) {
         let none = Change::none(self.system.unknowns(), self.system.stations.len());
         let mut outputs = self.along(&none).map(|dual| dual.re);
-        let Resolution { load_error, warnings } = self.resolution(outputs.maximum_von_mises_stress);
+        let Resolution { load_error, warnings } = self.resolution(&outputs);
         outputs.estimated_load_error = load_error;
         outputs.well_resolved = warnings.is_empty();
         (outputs, warnings)

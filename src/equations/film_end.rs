@@ -103,7 +103,7 @@ mod tests {
     fn integrals_are_those_of_a_parabola() {
         // From the middle: int dx/(1 + x^2/2R)^n h0^n, with s = sqrt(2 R h0): s pi/2 h0^-1, s pi/4 h0^-2, 3 pi s/16, 5 pi s/32.
         let (h0, curvature) = (3e-6, 20.0);
-        let s = (2.0 * h0 / curvature as f64).sqrt();
+        let s = f64::sqrt(2.0 * h0 / curvature);
         let end = FilmEnd { slope: 0.0, curvature, ..END };
         let pi = std::f64::consts::PI;
         for (n, (value, factor)) in end.integrals(h0).into_iter().zip([0.5, 0.25, 0.1875, 0.15625]).enumerate() {
@@ -111,7 +111,7 @@ mod tests {
         }
         // From a place further out, n = 2 and a gap below zero in the middle: what is left of the integral of 1/(x^2/2R - c)^2.
         let (c, x) = (5e-6, 2e-3);
-        let a = (2.0 * c / curvature as f64).sqrt();
+        let a = f64::sqrt(2.0 * c / curvature);
         let end = FilmEnd { slope: curvature * x, curvature, ..END };
         let log = ((x + a) / (x - a)).ln();
         let exact = (2.0 / curvature).powi(2) * (x / (2.0 * a * a * (x * x - a * a)) - log / (4.0 * a.powi(3)));

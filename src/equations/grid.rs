@@ -54,19 +54,19 @@ fn thickness(parameters: &Parameters) -> f64 {
     0.5 * (parameters.upper.thickness + parameters.lower.thickness)
 }
 
-/// Half the width, in the undeformed layers, of the contact that these inputs are expected to make [m]; where the bones are apart, the
+/// Half the width, in the undeformed layers, of the contact that these inputs are expected to make, by their depth or by their load [m]; where the bones are apart, the
 /// width over which the film builds up pressure. 0 where the mesh stays.
 ///
 /// By the theory of thin bonded layers (Meijers 1968; Jaffar 1989) for undrained tissue, with the spreading of tissue that is pressed
 /// flat. It says where columns are dense: that need not be exact.
-pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs) -> f64 {
+pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs, control: Control) -> f64 {
     if !moves(parameters) {
         return 0.0;
     }
     let curvature = curvature(parameters);
     // While bones are nearer than this to first touch, a film of some micron sets the width.
     const FILM: f64 = 1e-5;
-    let (pressed, apart) = match parameters.control {
+    let (pressed, apart) = match control {
         Control::Depth => {
             let depth = inputs.penetration_depth;
             let smooth = depth.hypot(FILM);

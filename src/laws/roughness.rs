@@ -146,12 +146,14 @@ mod tests {
         core_decay: 0.1,
     };
 
+    type Law = fn(&Roughness, f64) -> (f64, f64);
+
     proptest! {
         #[test]
         fn derivatives_match_differences(x in -3.0..8.0f64, greenwood_tripp: bool) {
             let law = if greenwood_tripp { AsperityLaw::GreenwoodTripp } else { AsperityLaw::Exponential };
             let rough = Roughness { law, ..ROUGH };
-            let laws: [fn(&Roughness, f64) -> (f64, f64); 5] = [
+            let laws: [Law; 5] = [
                 Roughness::pressure, Roughness::real_contact_share, Roughness::thickness, Roughness::flow_factor,
                 Roughness::inverse_thickness,
             ];

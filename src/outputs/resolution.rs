@@ -1,6 +1,6 @@
 //! Whether mesh and sector are good enough for a solution, by signs that cost nothing.
 
-use super::Solved;
+use super::{Outputs, Solved};
 use crate::equations::grid;
 use crate::equations::system::{Change, surface_speeds};
 use crate::parameters::Formulation;
@@ -23,7 +23,8 @@ const LARGE_STRESS: f64 = 20.0;
 
 impl Solved<'_> {
     /// Looks at pressures, stress and mesh of the solution.
-    pub(super) fn resolution(&self, von_mises: f64) -> Resolution {
+    pub(super) fn resolution(&self, outputs: &Outputs) -> Resolution {
+        let von_mises = outputs.maximum_von_mises_stress;
         let (system, p) = (self.system, self.parameters);
         let none = Change::none(system.unknowns(), system.stations.len());
         let levels = system.layers[0].mesh.levels();
@@ -93,8 +94,14 @@ impl Solved<'_> {
                 break;
             }
         }
+        if system.roughness().is_some() && !grid_fits_film(self, &pressure, outputs) {
+            warnings.push(
+                "friction: the film is so thin that its thickness is taken from upstream, and what is left of the film's own rolling friction \
+                 may be off by more than a tenth; sliding and boundary friction are not concerned. More mesh.columns help".into(),
+            );
+        }
         if grid::moves(p) {
-            let ratio = grid::contact_half_width(p, inputs) / system.contact_half_width();
+            let ratio = grid::contact_half_width(p, inputs, p.control) / system.contact_half_width();
             if !(0.7..=1.4).contains(&ratio) {
                 warnings.push(format!(
                     "the mesh is made for a contact {:.1} times as wide as the present one: start nearer to it",
@@ -104,4 +111,15 @@ impl Solved<'_> {
         }
         Resolution { load_error, warnings }
     }
+}
+
+/// Whether the film's rolling friction is right within a tenth of all friction: the upstream weight moves the thickness by up to half of
+/// what it changes over a column, and the shear is half of that times the drop of pressure.
+fn grid_fits_film(solved: &Solved<'_>, pressure: &[f64], outputs: &Outputs) -> bool {
+    let gap = |i: usize| solved.at.gap(solved.system, 2 * i);
+    let missed = (1..pressure.len())
+        .filter(|i| gap(*i).max(gap(*i - 1)) < 10.0 * solved.parameters.surface_roughness)
+        .map(|i| 0.25 * ((gap(i) - gap(i - 1)) * (pressure[i] - pressure[i - 1])).abs())
+        .sum::<f64>();
+    missed * solved.parameters.width <= 0.1 * outputs.upper_friction_force.abs()
 }

@@ -117,7 +117,11 @@ pub(super) struct Bodies {
 impl Bodies {
     pub fn new(parameters: &Parameters) -> Self {
         let equal = parameters.upper == parameters.lower;
-        let system = System::new(parameters, equal, grid::contact_half_width(parameters, &Inputs::default()));
+        let system = System::new(
+            parameters,
+            equal,
+            grid::contact_half_width(parameters, &Inputs::default(), parameters.control),
+        );
         let (mirrored, full) = if equal { (Some(system), None) } else { (None, Some(system)) };
         Self {
             parameters: *parameters,
@@ -163,14 +167,14 @@ impl Bodies {
     }
 
     /// What contact the mesh is made for at these inputs.
-    pub fn contact_half_width(&self, inputs: &Inputs) -> f64 {
-        grid::contact_half_width(&self.parameters, inputs)
+    pub fn contact_half_width(&self, inputs: &Inputs, control: Control) -> f64 {
+        grid::contact_half_width(&self.parameters, inputs, control)
     }
 
     fn system_and_tangent(&mut self, mirrored: bool) -> (&mut System, &mut Tangent) {
         let slot = if mirrored { &mut self.mirrored } else { &mut self.full };
         let system = slot.get_or_insert_with(|| {
-            let contact = grid::contact_half_width(&self.parameters, &Inputs::default());
+            let contact = grid::contact_half_width(&self.parameters, &Inputs::default(), self.parameters.control);
             let mut system = System::new(&self.parameters, mirrored, contact);
             system.set_threads(self.threads);
             system
@@ -189,7 +193,7 @@ impl Bodies {
         let inputs =
             Inputs { penetration_depth: inputs.penetration_depth.min(-CLEARANCE), sliding_speed: 0.0, ..*inputs };
         let mirrored = self.may_mirror(&inputs);
-        let contact_half_width = self.contact_half_width(&inputs);
+        let contact_half_width = self.contact_half_width(&inputs, Control::Depth);
         let system = self.system(mirrored);
         system.fit(contact_half_width);
         let stations = system.stations.len();

@@ -167,7 +167,7 @@ impl Simulation {
             Path::Transient(motion) => Some(&**motion),
         };
         // The mesh goes along with the contact from step to step. What is left behind is a guess of the next step's motion.
-        let wanted = self.bodies.contact_half_width(&drive.at(duration));
+        let wanted = self.bodies.contact_half_width(&drive.at(duration), self.bodies.parameters.control);
         let stays = (wanted / state.point.contact_half_width).ln().abs() < FARTHEST || wanted == 0.0;
         let (start, motion) =
             if stays { (state.point.clone(), motion) } else { (self.bodies.remeshed(&state.point, wanted), None) };

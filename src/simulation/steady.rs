@@ -189,9 +189,7 @@ fn under_load(
         let next = at_depth(bodies, state, &Inputs { penetration_depth: depth, ..*inputs }, iterations)?;
         let load = load(bodies, &next.point);
         let reason = if load > given / NEAR && load < given * NEAR {
-            let (result, spent) = step(bodies, &next, inputs, COLD_ITERATIONS, Control::Load);
-            *iterations += spent;
-            match result {
+            match carried_by(bodies, &next, inputs, iterations) {
                 Ok(state) => return Ok(state),
                 Err(reason) => reason,
             }
@@ -218,6 +216,22 @@ fn under_load(
         }
         state = Some(next);
     }
+}
+
+/// The state under the given load, from one whose load is near: on the mesh of that load first, then by Newton's method.
+fn carried_by(bodies: &mut Bodies, near: &Steady, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, String> {
+    let contact = bodies.contact_half_width(inputs, Control::Load);
+    let depth = Inputs { penetration_depth: near.point.inputs.penetration_depth, ..*inputs };
+    let mut state = near.clone();
+    if contact != near.point.contact_half_width {
+        let guess = bodies.remeshed(&near.point, contact);
+        let (result, spent) = settle(bodies, guess, &depth, COLD_ITERATIONS, Control::Depth, None);
+        *iterations += spent;
+        state = result?;
+    }
+    let (result, spent) = step(bodies, &state, inputs, COLD_ITERATIONS, Control::Load);
+    *iterations += spent;
+    result
 }
 
 /// Load per unit depth [N/m].
@@ -276,7 +290,7 @@ fn step(
     control: Control,
 ) -> (Result<Steady, String>, usize) {
     let mirrored = from.point.mirrored && bodies.may_mirror(target);
-    let contact = bodies.contact_half_width(target);
+    let contact = bodies.contact_half_width(target, control);
     if contact != from.point.contact_half_width {
         let guess = carry(bodies, from, target, contact, control);
         let guess = bodies.converted(guess, mirrored);
@@ -344,7 +358,7 @@ fn relax(bodies: &mut Bodies, from: &Point, target: &Inputs) -> (Result<Steady, 
     let mirrored = from.mirrored && bodies.may_mirror(target);
     let mut state = bodies.converted(from.clone(), mirrored);
     // On the mesh of the target all the way.
-    let contact = bodies.contact_half_width(target);
+    let contact = bodies.contact_half_width(target, Control::Depth);
     if contact != state.contact_half_width {
         let system = bodies.system(mirrored);
         let ratio = system.carry(&mut state.unknowns, state.contact_half_width, contact);

@@ -113,11 +113,11 @@ fn fluid_of_each_body_is_conserved() {
         let levels = pair.levels();
         let speeds = [0.5 * U * (1.0 + ratio), 0.5 * U * (1.0 - ratio)];
         let mut given = 0.0;
-        for body in 0..2 {
-            let reactions = pair.reactions(body, speeds[body]);
+        for (body, speed) in speeds.into_iter().enumerate() {
+            let reactions = pair.reactions(body, speed);
             let exuded: f64 = reactions[2].iter().step_by(levels).map(|reaction| -reaction).sum();
             let size: f64 = reactions[2].iter().step_by(levels).map(|reaction| reaction.abs()).sum();
-            let carried = pair.carried_out(body, speeds[body]);
+            let carried = pair.carried_out(body, speed);
             println!(
                 "kappa {permeability:e} ratio {ratio} body {body}: exuded {exuded:e}, carried out {carried:e} of {size:e}"
             );
@@ -213,7 +213,7 @@ fn a_rough_joint_of_ten_kilonewton_per_metre() {
 }
 
 #[test]
-#[ignore = "three minutes"]
+#[ignore = "does not hold yet: support 0.9128 at 1 micron, and 50 kN/m is not tried; minutes"]
 fn rough_states_on_twice_the_mesh() {
     for (rms, micron, load, support, film, pressure) in [
         (1e-6, 454.1, 10e3, (0.909, 0.003), (0.474e-6, 1e-2), Some(0.741e6)),
@@ -255,7 +255,7 @@ fn the_scheme_of_rough_films_is_of_second_order_where_they_are_thick() {
                     tears: false,
                     rough: Some((roughness, 0.3e6)),
                 };
-                let half = 5.0 * (2.0 * r * h0 as f64).sqrt();
+                let half = 5.0 * f64::sqrt(2.0 * r * h0);
                 let stations: Vec<f64> = (0..=2 * columns).map(|i| half * (i as f64 / columns as f64 - 1.0)).collect();
                 let mut line = Line::new(film, stations, |x| h0 + x * x / (2.0 * r), speed);
                 let exact = |x: f64| exact(x) * speed.signum();
