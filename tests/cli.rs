@@ -79,7 +79,11 @@ fn json_has_the_names_of_the_variables_and_finite_numbers() {
     }
     for row in variables::scalar_outputs() {
         let value = &object[&row.name];
-        let expected = if row.name == "lubrication_regime" { value.is_string() } else { value.is_number() };
+        let expected = match row.name.as_str() {
+            "lubrication_regime" => value.is_string(),
+            "well_resolved" => value.is_boolean(),
+            _ => value.is_number(),
+        };
         assert!(expected, "{} is {value}", row.name);
     }
     for name in ["position", "film_thickness", "fluid_pressure", "contact_pressure"] {
@@ -87,7 +91,8 @@ fn json_has_the_names_of_the_variables_and_finite_numbers() {
         assert_eq!(stations.len(), 101, "{name}");
         assert!(stations.iter().all(serde_json::Value::is_number), "{name}");
     }
-    assert_eq!(object.len(), 5 + variables::scalar_outputs().count() + 4);
+    assert_eq!(object.len(), 5 + variables::scalar_outputs().count() + 4 + 1);
+    assert!(object["warnings"].as_array().unwrap().iter().all(serde_json::Value::is_string));
     assert_eq!(object["penetration_depth"].as_f64(), Some(-5e-6));
 }
 
@@ -158,7 +163,7 @@ fn wrong_usage_is_explained_with_exit_code_2() {
         ("solve --sliding-speed nan", "sliding_speed = NaN is not allowed: a number from -1e1 to 1e1 m/s"),
         ("solve --set viscosity", "--set viscosity: write it as NAME=VALUE"),
         ("solve --set viscosity=thin", "viscosity = \"thin\" is not allowed: a number from 1e-6 to 1e3 Pa.s"),
-        ("solve --set mesh.rows=2.5", "mesh.rows = 2.5 is not allowed: a whole number from 1 to 200"),
+        ("solve --set mesh.rows=2.5", "mesh.rows = 2.5 is not allowed: a whole number from 0 to 200"),
         ("solve --set both.thicknes=1e-3", "unknown variable `both.thicknes`; did you mean `both.thickness`?"),
         ("solve --set load=1", "load = 1 is not allowed: it is a result and cannot be set"),
         ("solve --set both.thickness=0.08", "less than half of upper.outer_radius"),

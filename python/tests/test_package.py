@@ -26,7 +26,7 @@ def test_a_state_is_that_of_the_command(tmp_path):
     state = cc.solve(case, penetration_depth=5e-6)
     command = ["cartilage-contact", "solve", "--case", case, "--penetration-depth", "5e-6", "--json"]
     expected = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
-    assert set(state) == set(expected)
+    assert set(state) == set(expected) - {"warnings"}
     for name, value in state.items():
         if name == "lubrication_regime":
             assert value.name == expected[name]

@@ -77,6 +77,7 @@ fn record(fmu: &Path) -> Result<Recording, String> {
     let inputs = ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"].map(str::to_owned);
     let reals: Vec<String> = inputs.into_iter().chain(scalars(Type::Real).map(|row| row.name.clone())).collect();
     let integers: Vec<String> = scalars(Type::Integer).map(|row| row.name.clone()).collect();
+    let booleans: Vec<String> = scalars(Type::Boolean).map(|row| row.name.clone()).collect();
     let depths: Vec<i32> = (FIRST..=LAST).chain((FIRST..LAST).rev()).collect();
 
     let importer = Importer::open(fmu)?;
@@ -84,6 +85,7 @@ fn record(fmu: &Path) -> Result<Recording, String> {
         names: std::iter::once("time".to_owned())
             .chain(reals.iter().cloned())
             .chain(integers.iter().cloned())
+            .chain(booleans.iter().cloned())
             .collect(),
         rows: Vec::new(),
         regimes: Vec::new(),
@@ -116,6 +118,9 @@ fn record(fmu: &Path) -> Result<Recording, String> {
         }
         for name in &integers {
             row.push(f64::from(importer.integer(name)?));
+        }
+        for name in &booleans {
+            row.push(f64::from(u8::from(importer.boolean(name)?)));
         }
         recording.rows.push(row);
         let regime = importer.enumeration("lubrication_regime")?;

@@ -192,6 +192,16 @@ impl Importer {
         Ok(value[0])
     }
 
+    /// Value of a variable that is true or false.
+    ///
+    /// # Errors
+    /// The name that there is not, or what the FMU logged.
+    pub fn boolean(&self, name: &str) -> Result<bool, String> {
+        let mut value = [false];
+        self.get(c"fmi3GetBoolean", name, &mut value)?;
+        Ok(value[0])
+    }
+
     /// Values of a profile at all stations.
     ///
     /// # Errors
@@ -223,6 +233,6 @@ impl Drop for Importer {
 }
 
 fn reference(name: &str) -> Result<c_uint, String> {
-    let index = VARIABLES.iter().position(|row| row.name == name);
-    index.map(|index| index as c_uint).ok_or_else(|| format!("there is no variable `{name}`"))
+    let row = VARIABLES.iter().find(|row| row.name == name);
+    row.map(|row| row.reference).ok_or_else(|| format!("there is no variable `{name}`"))
 }

@@ -65,7 +65,7 @@ fn a_refused_value_is_explained_in_one_line_and_changes_nothing() {
             (fmu.set_real("mesh.columns", 1.0), &["mesh.columns is no ", integer]),
             (fmu.set_choice("formulation", 3), &["formulation", "3", "1 (paper), 2 (consistent)"]),
             (fmu.set_choice("formulation", 0), &["formulation", "0", "1 (paper)"]),
-            (fmu.set_integer("mesh.columns", 7), &["mesh.columns", "7", "8 to 2000"]),
+            (fmu.set_integer("mesh.columns", 2001), &["mesh.columns", "2001", "0 to 2000"]),
             (fmu.set_integer("sliding_speed", 1), &["sliding_speed", real]),
             (fmu.set_reals(&[99_999], &[1.0]), &["99999", "unknown"]),
         ];

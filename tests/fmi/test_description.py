@@ -70,7 +70,8 @@ def test_variables_have_the_promised_names_and_roles(description):
 
 
 def test_every_length_pressure_force_and_speed_has_a_unit(description):
-    dimensionless = ("coefficient", "support", "number", "ratio", "grading", "tolerance", "fraction", "exponent")
+    dimensionless = ("coefficient", "support", "number", "ratio", "grading", "tolerance", "fraction", "exponent", "parameter",
+                     "share", "error", "decay")
     for variable in description.modelVariables:
         if variable.type in ("Real", "Float64") and variable.causality != "independent":
             assert (variable.unit is None) == variable.name.endswith(dimensionless), variable.name

@@ -27,7 +27,13 @@ const U: f64 = 0.2;
 /// The condyle on the preset's rows, with this many columns.
 fn condyle(columns: i32) -> Parameters {
     let preset = Preset::HumanFemoralCondyle.parameters();
-    Parameters { mesh: Mesh { columns, ..preset.mesh }, ..preset }
+    Parameters {
+        surface_roughness: 0.0,
+        mesh_distribution: MeshDistribution::Graded,
+        sector_half_angle: std::f64::consts::PI / 36.0,
+        mesh: Mesh { columns, rows: 14, column_grading: 2.5, row_grading: 5.0 },
+        ..preset
+    }
 }
 
 /// The condyle with rough surfaces on the program's mesh.
