@@ -10,7 +10,7 @@
 //! U_i v_rot is the rigid rotation of the body with surface speed U_i; the convective term v . grad J is integrated by parts, so
 //! that no second derivatives of the displacement appear (its density-gradient part, of order chi p = 1e-5, is dropped).
 //!
-//! [`Tissue::integrand`] is what stands under the integrals, [`Tissue::integrand_derivatives`] its derivatives.
+//! `Tissue::integrand` is what stands under the integrals, `Tissue::integrand_derivatives` its derivatives.
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 use pulp::{Simd, WithSimd};

@@ -17,6 +17,7 @@ use self::touch::Touch;
 use super::chart::Side;
 use super::quantities::{State, quantities};
 use super::{Range, ReducedModel, boundary_friction};
+use crate::equations::grid;
 use crate::error::Error;
 use crate::outputs::Regime;
 use crate::parameters::{Fidelity, Inputs, Parameters};
@@ -113,6 +114,13 @@ impl ReducedModel {
                 "cavitation",
                 true,
                 "false: a reduced model has no torn film; fidelity = full has",
+            ));
+        }
+        if grid::moves(parameters) {
+            return Err(Error::value(
+                "mesh.distribution",
+                "a mesh that goes with the contact",
+                "\"graded\" with sector_half_angle above 0: the states of a table share one mesh",
             ));
         }
         let [slowest, fastest] = first_lines(&range);
