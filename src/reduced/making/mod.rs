@@ -17,7 +17,6 @@ use self::touch::Touch;
 use super::chart::Side;
 use super::quantities::{State, quantities};
 use super::{Range, ReducedModel, boundary_friction};
-use crate::equations::grid;
 use crate::error::Error;
 use crate::outputs::Regime;
 use crate::parameters::{Fidelity, Inputs, Parameters};
@@ -116,7 +115,7 @@ impl ReducedModel {
                 "false: a reduced model has no torn film; fidelity = full has",
             ));
         }
-        if grid::moves(parameters) {
+        if crate::equations::grid::moves(parameters) {
             return Err(Error::value(
                 "mesh.distribution",
                 "a mesh that goes with the contact",
