@@ -193,9 +193,10 @@ impl Solution<'_> {
 
         let mut residual = Residual::default();
         system.residual(self.unknowns, &mut self.active.to_vec(), self.inputs, self.rates, &mut residual)?;
-        let contact_pressure = (0..stations)
-            .map(|i| if self.active[i] { residual.contact_forces[i] / system.weights[i] } else { 0.0 })
-            .collect();
+        let smooth = |i: usize| if self.active[i] { residual.contact_forces[i] / system.weights[i] } else { 0.0 };
+        let gap = |i: usize| self.unknowns[system.layout.gap[i] as usize];
+        let pressure = |i| system.roughness().map_or_else(|| smooth(i), |rough| rough.pressure(gap(i)).0);
+        let contact_pressure = (0..stations).map(pressure).collect();
 
         let (upper_outflow, weight) = self.outflow(0)?;
         let lower_outflow = if system.mirrored() { upper_outflow.clone() } else { self.outflow(1)?.0 };

@@ -4,7 +4,7 @@
 
 use approx::assert_relative_eq;
 use cartilage_contact::fields::Fields;
-use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::parameters::{Inputs, Parameters, Preset};
 use cartilage_contact::simulation::Simulation;
 
 /// A state on a small mesh.
@@ -75,4 +75,19 @@ fn equal_bodies_without_friction_are_mirror_images() {
         assert_eq!(lower.darcy_flux[node][1], -upper.darcy_flux[node][1]);
     }
     assert_eq!(fields.interface.upper_outflow, fields.interface.lower_outflow);
+}
+
+/// The pressure of rough surfaces over the interface is what the solids carry: over x before deformation, which differs by the
+/// tissue's stretch along the surface, below 2 % at 50 micron.
+#[test]
+fn rough_surfaces_have_their_pressure() {
+    let parameters = Parameters { surface_roughness: 2e-6, ..Preset::HumanNormal.parameters() };
+    let mut simulation = Simulation::new(&parameters).unwrap();
+    simulation.solve_steady(Inputs { penetration_depth: 50e-6, sliding_speed: 0.1, ..Inputs::NONE }).unwrap();
+    let interface = simulation.fields().unwrap().interface;
+    let (x, p) = (&interface.position, &interface.contact_pressure);
+    let simpson = |i: usize| (x[i + 2] - x[i]) / 6.0 * (p[i] + 4.0 * p[i + 1] + p[i + 2]);
+    let carried: f64 = (0..x.len() - 2).step_by(2).map(simpson).sum();
+    let load = simulation.outputs().solid_load;
+    assert!(load > 1.0 && (carried / load - 1.0).abs() < 0.02, "{carried} {load}");
 }
