@@ -272,26 +272,31 @@ impl Film {
         sliding_speed: f64,
         terms: &mut Terms,
     ) {
+        // Between the nodes the logarithm of the thickness is quadratic: at the edge of a contact it grows tenfold within a column, and a
+        // parabola through such values would close the film.
+        let nodes: [(f64, f64); 3] = std::array::from_fn(|b| rough.thickness(at[b]));
+        let logarithms = nodes.map(|(thickness, _)| thickness.ln());
         for &[from, to] in self.pairs() {
             let share = 0.5 * (to - from) as f64;
             // Means over the pair of c and of c h, with their derivatives by the gaps.
             let (mut c_mean, mut ch_mean) = ([0.0; 4], [0.0; 4]);
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let shape = quadratic(from as f64 - 1.0 + share * (1.0 + s));
-                let (h, slope) = rough.thickness(sum(&shape, at));
+                let h = sum(&shape, &logarithms).exp();
                 let (phi, phi_slope) = rough.flow_factor(h);
                 let c = 0.5 * w / (phi * h.powi(3));
-                let c_slope = -c * (3.0 / h + phi_slope / phi) * slope;
+                let c_slope = -c * (3.0 / h + phi_slope / phi);
                 c_mean[3] += c;
                 ch_mean[3] += c * h;
                 for b in 0..3 {
-                    c_mean[b] += c_slope * shape[b];
-                    ch_mean[b] += (c_slope * h + c * slope) * shape[b];
+                    let slope = h * shape[b] * nodes[b].1 / nodes[b].0;
+                    c_mean[b] += c_slope * slope;
+                    ch_mean[b] += (c_slope * h + c) * slope;
                 }
             }
             let carried = ch_mean[3] / c_mean[3];
             let up = if sliding_speed < 0.0 { to } else { from };
-            let (upstream, upstream_slope) = rough.thickness(at[up]);
+            let (upstream, upstream_slope) = nodes[up];
             let distance = share * length;
             let stiffness = 2.0 * std::f64::consts::PI * shear_modulus;
             let peclet = 6.0 * self.viscosity * sliding_speed.abs() * distance.powi(2) / (stiffness * carried.powi(3));

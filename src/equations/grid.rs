@@ -74,8 +74,10 @@ pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs, control: Con
         }
         Control::Load => (half_width_under(parameters, inputs.applied_load), FILM / curvature),
     };
+    /// Of the edges of the contact in undeformed layers, where the film's pressure begins: computed at finite strain, 10 to 50 % compression.
+    const SPREADING: f64 = 0.57;
     let flattened = 0.5 * indentation(parameters, pressed) / thickness(parameters);
-    (pressed / (1.0 + 1.08 * flattened)).hypot(apart.sqrt())
+    (pressed / (1.0 + SPREADING * flattened)).hypot(apart.sqrt())
 }
 
 /// Where an increasing function of a length, 0 at 0, has this value [m].
@@ -107,7 +109,7 @@ const LARGEST_ANGLE: f64 = 0.7;
 fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
     /// Share of the columns at the two edges, and the width of these clusters over the contact's half-width; share of those spread
     /// over the contact and around it. The rest is uniform.
-    const EDGES: (f64, f64) = (0.4, 0.04);
+    const EDGES: (f64, f64) = (0.4, 0.03);
     const CONTACT: (f64, f64) = (0.4, 0.8);
     let edge = |x: f64| ((x - contact) / (EDGES.1 * contact)).atan() + ((x + contact) / (EDGES.1 * contact)).atan();
     let around = |x: f64| (x / (CONTACT.1 * contact)).atan();

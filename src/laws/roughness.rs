@@ -67,6 +67,23 @@ impl Roughness {
         (asperities + core + slope * x.min(0.0), slope / self.rms)
     }
 
+    /// The distance at which rough surfaces carry this pressure, which is positive [m].
+    pub fn gap_at(&self, pressure: f64) -> f64 {
+        let (at_zero, slope) = self.pressure(0.0);
+        if pressure >= at_zero {
+            return (pressure - at_zero) / slope;
+        }
+        let (mut low, mut high) = (0.0, self.rms);
+        while self.pressure(high).0 > pressure && high < 1e3 * self.rms {
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if self.pressure(middle).0 > pressure { low = middle } else { high = middle }
+        }
+        low
+    }
+
     /// Share of the nominal area where the surfaces would overlap, for Gaussian heights: the bearing area erfc(h / (sqrt(2) sigma)) / 2,
     /// and its derivative by h [1/m].
     pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
@@ -145,6 +162,15 @@ mod tests {
         core_pressure: 10e6,
         core_decay: 0.1,
     };
+
+    proptest! {
+        #[test]
+        fn the_distance_at_a_pressure_inverts_the_law(x in -3.0..20.0f64, law in prop::sample::select(vec![AsperityLaw::Exponential, AsperityLaw::GreenwoodTripp])) {
+            let rough = Roughness { law, ..ROUGH };
+            let gap = x * rough.rms;
+            prop_assert!((rough.gap_at(rough.pressure(gap).0) - gap).abs() < 1e-9 * rough.rms);
+        }
+    }
 
     type Law = fn(&Roughness, f64) -> (f64, f64);
 

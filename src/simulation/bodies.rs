@@ -19,6 +19,8 @@ pub(super) struct Point {
     pub mirrored: bool,
     /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
     pub contact_half_width: f64,
+    /// How many times its own viscosity the film has: 1 but on the way to a state.
+    pub thickening: f64,
     pub unknowns: Vec<f64>,
     /// Stations in contact.
     pub active: Vec<bool>,
@@ -67,10 +69,10 @@ impl Tangent {
         }
         *self = Self::default();
         let Place { point, rates } = place;
-        let present = system.contact_half_width();
-        system.fit(point.contact_half_width);
+        let present = (system.contact_half_width(), system.thickening());
+        system.fit(point.contact_half_width, point.thickening);
         let result = system.factorise(&point.unknowns, &point.active, &point.inputs, rates.as_ref());
-        system.fit(present);
+        system.fit(present.0, present.1);
         result?;
         self.place = Some(place.clone());
         Ok(())
@@ -157,7 +159,7 @@ impl Bodies {
     /// The equations that a point is a solution of, on its mesh.
     pub fn system_of(&mut self, point: &Point) -> &mut System {
         let system = self.system(point.mirrored);
-        system.fit(point.contact_half_width);
+        system.fit(point.contact_half_width, point.thickening);
         system
     }
 
@@ -195,12 +197,13 @@ impl Bodies {
         let mirrored = self.may_mirror(&inputs);
         let contact_half_width = self.contact_half_width(&inputs, Control::Depth);
         let system = self.system(mirrored);
-        system.fit(contact_half_width);
+        system.fit(contact_half_width, 1.0);
         let stations = system.stations.len();
         Point {
             inputs,
             mirrored,
             contact_half_width,
+            thickening: 1.0,
             unknowns: system.rest(inputs.penetration_depth),
             active: vec![false; stations],
             contact_forces: vec![0.0; stations],
@@ -209,10 +212,10 @@ impl Bodies {
 
     /// Newton's method from a guess; and the iterations spent. The last factorisation is near the solution, not at it.
     pub fn settle(&mut self, guess: Point, task: &Task<'_>) -> (Result<Point, String>, usize) {
-        let Point { mirrored, mut unknowns, active, inputs, contact_half_width, .. } = guess;
+        let Point { mirrored, mut unknowns, active, inputs, contact_half_width, thickening, .. } = guess;
         let loaded = task.control == Control::Load;
         let (system, tangent) = self.system_and_tangent(mirrored);
-        system.fit(contact_half_width);
+        system.fit(contact_half_width, thickening);
         let depth = if loaded { inputs.penetration_depth } else { task.inputs.penetration_depth };
         let inputs = Inputs { penetration_depth: depth, ..*task.inputs };
         let mut balance = Balance { system, tangent, inputs, task, active, residual: Residual::default() };
@@ -225,7 +228,9 @@ impl Bodies {
                 let contact_forces = balance.contact_forces();
                 let Balance { inputs, active, system, .. } = balance;
                 unknowns.truncate(system.unknowns());
-                (Ok(Point { inputs, mirrored, contact_half_width, unknowns, active, contact_forces }), iterations)
+                let point =
+                    Point { inputs, mirrored, contact_half_width, thickening, unknowns, active, contact_forces };
+                (Ok(point), iterations)
             }
         }
     }
@@ -368,6 +373,7 @@ impl newton::Problem for Balance<'_> {
             inputs: self.inputs,
             mirrored: self.system.mirrored(),
             contact_half_width: self.system.contact_half_width(),
+            thickening: self.system.thickening(),
             unknowns: unknowns[..self.system.unknowns()].to_vec(),
             active: self.active.clone(),
             contact_forces: self.contact_forces(),

@@ -3,6 +3,8 @@
 mod bodies;
 mod derivatives;
 mod drive;
+mod predictor;
+mod relaxation;
 mod steady;
 mod transient;
 
@@ -11,7 +13,8 @@ use serde::{Deserialize, Serialize};
 use self::bodies::{Bodies, Point};
 use self::derivatives::Derivatives;
 pub use self::drive::Drive;
-use self::steady::{Kept, Steady};
+use self::predictor::Kept;
+use self::steady::Steady;
 use self::transient::Motion;
 use crate::equations::system::{Rates, System};
 use crate::error::Error;

@@ -152,6 +152,7 @@ impl Walker {
             tolerance: parameters.tolerance,
             maximum_iterations: ITERATIONS,
             patience: PATIENCE,
+            most_large: ITERATIONS,
             deadline: bodies.deadline,
         };
         let kept = self.kept.as_ref().map(|place| (place, Foreseen::default()));

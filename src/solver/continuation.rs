@@ -12,31 +12,26 @@ pub struct Stuck<E> {
     pub reason: E,
 }
 
-/// Goes from 0 to 1, at first by a step of length `first`. `attempt(to)` tries one step: it moves its caller's state and says where to, which may be further than asked,
-/// or leaves it alone and says why.
+/// A step that took so many iterations is followed by one as long.
+const WISHED: f64 = 9.0;
+
+/// Goes from 0 to 1, at first by a step of length `first`. `attempt(to)` tries one step: it moves its caller's state and says how many
+/// iterations that took, or leaves it alone and says why.
 ///
 /// # Errors
 /// [`Stuck`] where even the shortest step fails.
-pub fn advance<E>(first: f64, mut attempt: impl FnMut(f64) -> Result<f64, E>) -> Result<(), Stuck<E>> {
+pub fn advance<E>(first: f64, mut attempt: impl FnMut(f64) -> Result<usize, E>) -> Result<(), Stuck<E>> {
     let (mut done, mut step) = (0.0, first);
-    // After a failure a step has to prove itself twice before a longer one is tried.
-    let mut successes = 2;
     while done < 1.0 {
         // The last step ends on 1 exactly.
         let target = if done + step >= 1.0 - 1e-12 { 1.0 } else { done + step };
         match attempt(target) {
-            Ok(reached) => {
-                done = reached;
-                successes += 1;
-                if successes > 2 {
-                    step *= 2.0;
-                }
+            Ok(iterations) => {
+                done = target;
+                step *= (WISHED / iterations as f64).clamp(0.5, 2.0);
             }
             Err(reason) if step <= SHORTEST => return Err(Stuck { fraction: done, reason }),
-            Err(_) => {
-                step *= 0.5;
-                successes = 0;
-            }
+            Err(_) => step *= 0.4,
         }
         step = step.min(1.0 - done).max(SHORTEST);
     }
@@ -57,16 +52,16 @@ mod tests {
             }
             steps.push(to - from);
             from = to;
-            Ok(to)
+            Ok(5)
         });
         assert_eq!(result, Ok(()));
         assert!((steps.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!(steps.len() <= 4, "{steps:?}");
+        assert!(steps.len() <= 5, "{steps:?}");
     }
 
     #[test]
     fn says_how_far_it_came() {
-        let result = advance(1.0, |to| if to > 0.6 { Err("wall") } else { Ok(to) });
+        let result = advance(1.0, |to| if to > 0.6 { Err("wall") } else { Ok(9) });
         let stuck = result.unwrap_err();
         assert_eq!(stuck.reason, "wall");
         assert!(stuck.fraction > 0.598 && stuck.fraction <= 0.6);

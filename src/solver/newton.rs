@@ -97,6 +97,8 @@ pub struct Settings {
     /// A factorisation is kept as long as the contraction of the updates promises the solution within so many further iterations,
     /// and the discrete state stays; 0 is Newton's method in full. About what a factorisation costs in iterations without.
     pub patience: f64,
+    /// After so many updates larger than the unknowns it is quicker to start again from nearer by.
+    pub most_large: usize,
     /// No iteration begins after it.
     pub deadline: Deadline,
 }
@@ -138,7 +140,7 @@ pub fn solve(
     let foreseen = kept.map(|foreseen| foreseen.step).filter(|size| *size > 0.0).unwrap_or(f64::INFINITY);
     // `previous` is the size of the last update, as far as the next one says how fast they shrink.
     let (mut stale, mut previous) = (kept.is_none(), foreseen);
-    let (mut iterations, mut formed, mut converged) = (0, 0, false);
+    let (mut iterations, mut formed, mut converged, mut lost) = (0, 0, false, 0);
     while !stale || formed < settings.maximum_iterations {
         if settings.deadline.passed() {
             return Err(fail("maximum_solve_time is over".into(), iterations));
@@ -156,6 +158,10 @@ pub fn solve(
         let size = problem.relative_size(unknowns, &update);
         if !size.is_finite() {
             return Err(fail("the update is not finite".into()));
+        }
+        lost += usize::from(size > 1.0);
+        if lost > settings.most_large {
+            return Err(fail("Newton's method gets lost".into()));
         }
         let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
         // The first update would have been as large as what is in its place already.
@@ -252,7 +258,13 @@ mod tests {
     ) -> (Result<usize, Failure>, f64, Scalar<F>) {
         let mut problem = Scalar { function, slope: 0.0, sizes: vec![], factorised: 0 };
         let mut z = [start];
-        let settings = Settings { tolerance: 1e-10, maximum_iterations: 20, patience, deadline: Deadline::default() };
+        let settings = Settings {
+            tolerance: 1e-10,
+            maximum_iterations: 20,
+            patience,
+            most_large: 20,
+            deadline: Deadline::default(),
+        };
         let result = solve(&mut problem, &mut z, &mut Vec::new(), &settings);
         (result, z[0], problem)
     }

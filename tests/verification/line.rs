@@ -65,8 +65,13 @@ impl Line {
         for (number, node) in self.numbered() {
             unknowns[number] = self.pressure[node];
         }
-        let settings =
-            newton::Settings { tolerance: 1e-11, maximum_iterations: 50, patience: 0.0, deadline: Deadline::default() };
+        let settings = newton::Settings {
+            tolerance: 1e-11,
+            maximum_iterations: 50,
+            patience: 0.0,
+            most_large: 40,
+            deadline: Deadline::default(),
+        };
         newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.set(&unknowns);
     }

@@ -92,8 +92,13 @@ impl Pair {
     pub fn go(&mut self, inputs: Inputs) {
         self.inputs = inputs;
         let mut unknowns = self.unknowns.clone();
-        let settings =
-            newton::Settings { tolerance: 1e-10, maximum_iterations: 40, patience: 0.0, deadline: Deadline::default() };
+        let settings = newton::Settings {
+            tolerance: 1e-10,
+            maximum_iterations: 40,
+            patience: 0.0,
+            most_large: 40,
+            deadline: Deadline::default(),
+        };
         newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
     }

@@ -158,8 +158,13 @@ impl Strip {
     /// Solves from the present values. Returns the number of Newton iterations.
     pub fn solve(&mut self) -> usize {
         let mut unknowns = self.unknowns.clone();
-        let settings =
-            newton::Settings { tolerance: 1e-10, maximum_iterations: 30, patience: 0.0, deadline: Deadline::default() };
+        let settings = newton::Settings {
+            tolerance: 1e-10,
+            maximum_iterations: 30,
+            patience: 0.0,
+            most_large: 40,
+            deadline: Deadline::default(),
+        };
         let iterations = newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
         iterations

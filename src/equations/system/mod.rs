@@ -95,6 +95,7 @@ pub struct System {
     pub layers: Vec<Layer>,
     /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
     contact_half_width: f64,
+    thickening: f64,
     /// x of the interface nodes [m].
     pub stations: Vec<f64>,
     /// Simpson weights of the interface nodes [m].
@@ -255,6 +256,7 @@ impl System {
         let mut system = Self {
             layers,
             contact_half_width,
+            thickening: 1.0,
             stations: Vec::new(),
             weights: Vec::new(),
             touching_gap: Vec::new(),
@@ -278,8 +280,9 @@ impl System {
         system
     }
 
-    /// Takes the mesh along to a contact of this half-width; what was factorised stays as it was.
-    pub fn fit(&mut self, contact_half_width: f64) {
+    /// Takes the mesh along to a contact of this half-width, and the film's viscosity to so many times its own; what was factorised
+    /// stays as it was.
+    pub fn fit(&mut self, contact_half_width: f64, thickening: f64) {
         if self.contact_half_width != contact_half_width {
             self.contact_half_width = contact_half_width;
             let grid = Grid::new(&self.parameters, contact_half_width);
@@ -288,6 +291,15 @@ impl System {
             }
             self.take_interface(grid);
         }
+        let viscosity = thickening * self.parameters.viscosity;
+        self.thickening = thickening;
+        self.film.viscosity = viscosity;
+        self.film_ends.iter_mut().flatten().for_each(|end| end.viscosity = viscosity);
+    }
+
+    /// How many times its own viscosity the film has at present.
+    pub fn thickening(&self) -> f64 {
+        self.thickening
     }
 
     fn take_interface(&mut self, grid: Grid) {

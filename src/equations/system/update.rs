@@ -8,6 +8,9 @@ use crate::solver::linear::FIXED;
 /// A film thinner than this share of the layers' thickness (0.1 micron for 1 mm) may close within one update.
 const THIN_FILM: f64 = 1e-4;
 
+/// Share of the largest fluid pressure up to which rough surfaces may come to press within one update.
+const UNFORESEEN: f64 = 0.02;
+
 impl System {
     /// Compresses the tissue evenly through its thickness by an approach of the bones [m], with the gap as it is.
     pub fn compress(&self, unknowns: &mut [f64], approach: f64) {
@@ -57,18 +60,27 @@ impl System {
     }
 
     /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes to no less than a tenth
-    /// and opens to no more than three times what it was: its conductance goes with the cube of it, so that a tangent says nothing
-    /// about larger changes. The tissue below follows, less and less towards the bone, so that no element is turned inside out.
+    /// and opens to no more than three times what it was (0.4 and 2 of rough surfaces): its conductance goes with the cube of it, so that a tangent says nothing
+    /// about larger changes. Rough surfaces close to where they press as the tangent says: their pressure rises exponentially, and their
+    /// distance by the tangent would be far too small. The tissue below follows, less and less towards the bone, so that no element is turned inside out.
     pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
         let thin = THIN_FILM * self.thickness;
-        // The pressure of rough surfaces rises many times over this length.
-        let closing = self.roughness().map_or(f64::INFINITY, |rough| rough.rms);
+        // Where smooth surfaces touch, the active set takes over what rough ones have to find in smaller steps.
+        let [closing, opening] = if self.roughness().is_some() { [0.4, 2.0] } else { [0.1, 3.0] };
+        let levels = self.layers[0].mesh.levels();
+        let film = self.layout.pressure[0].iter().step_by(levels).filter(|number| **number != FIXED);
+        let largest = film.map(|number| unknowns[*number as usize].abs()).fold(1e-3 * self.stress_scale, f64::max);
         let gaps: Vec<f64> = self.layout.gap.iter().map(|number| unknowns[*number as usize]).collect();
         unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
         for (station, before) in gaps.into_iter().enumerate() {
             let gap = &mut unknowns[self.layout.gap[station] as usize];
-            let smallest = if active[station] || before <= thin { before - closing } else { 0.1 * before };
-            let limited = gap.min((3.0 * before).max(5.0 * thin)).max(smallest);
+            let mut smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { closing * before };
+            if let Some(rough) = self.roughness() {
+                let (pressure, slope) = rough.pressure(before);
+                let meant = pressure + slope * (*gap - before);
+                smallest = smallest.max(rough.gap_at(meant.max(UNFORESEEN * largest)).min(before));
+            }
+            let limited = gap.min((opening * before).max(5.0 * thin)).max(smallest);
             let correction = limited - *gap;
             *gap = limited;
             self.follow(station, correction, unknowns);

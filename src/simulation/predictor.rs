@@ -1,0 +1,191 @@
+//! Guesses of a steady state from one nearby: by its tangent, or on the mesh of another contact.
+
+use serde::{Deserialize, Serialize};
+
+use super::bodies::{Bodies, Foreseen, LONGEST_APPROACH, Place, Point};
+use super::steady::{Steady, load};
+use crate::parameters::{Control, Inputs};
+use crate::solver::linear::Singular;
+
+/// Changes of what is given: depth or load, speed, slide-to-roll ratio, and the logarithm of the film's viscosity.
+pub(super) type Changes = [f64; 4];
+
+pub(super) fn changes(from: &Target, to: &Target, control: Control) -> Changes {
+    let [before, after] = [from.inputs, to.inputs];
+    let first = match control {
+        Control::Depth => after.penetration_depth - before.penetration_depth,
+        Control::Load => after.applied_load - before.applied_load,
+    };
+    let speed = after.sliding_speed - before.sliding_speed;
+    let ratio = after.slide_to_roll_ratio - before.slide_to_roll_ratio;
+    [first, speed, ratio, (to.thickening / from.thickening).ln()]
+}
+
+/// What a state is the solution for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Target {
+    pub inputs: Inputs,
+    /// See [`Point::thickening`].
+    pub thickening: f64,
+}
+
+impl Point {
+    pub fn target(&self) -> Target {
+        Target { inputs: self.inputs, thickening: self.thickening }
+    }
+}
+
+/// Where a tangent was formed, and what it missed in the last step that was predicted with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Kept {
+    pub place: Place,
+    pub miss: Option<Miss>,
+}
+
+impl Kept {
+    /// Whether what was missed is of equations with so many unknowns.
+    pub fn fits(&self, unknowns: usize) -> bool {
+        let fits = |values: &[f64]| values.len() == unknowns + 1;
+        self.miss.as_ref().is_none_or(|miss| fits(&miss.now) && fits(&miss.next))
+    }
+}
+
+/// The difference of a solution to its prediction, unknowns and then the depth. Along a smooth way it grows evenly from step to step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Miss {
+    /// See [`changes`].
+    changes: Changes,
+    now: Vec<f64>,
+    /// What a step like this one is expected to miss.
+    next: Vec<f64>,
+}
+
+impl Miss {
+    /// What was missed by these changes, after what was missed before.
+    pub fn new(before: Option<&Self>, changes: Changes, solved: &Point, predicted: &Point) -> Self {
+        let of = |point: &Point| [&point.unknowns[..], &[point.inputs.penetration_depth]].concat();
+        let now: Vec<f64> = of(solved).into_iter().zip(of(predicted)).map(|(z, p)| z - p).collect();
+        let next = match before.and_then(|before| Some((&before.now, before.share(changes)?))) {
+            Some((before, share)) => now.iter().zip(before).map(|(now, before)| 2.0 * now - share * before).collect(),
+            None => now.clone(),
+        };
+        Self { changes, now, next }
+    }
+
+    /// How many times as far these changes go in the same direction; none if in another.
+    fn share(&self, changes: Changes) -> Option<f64> {
+        proportion(changes, self.changes)
+    }
+}
+
+/// How many times as far as before changes go in the same direction; none if in another, or much further.
+fn proportion(now: Changes, then: Changes) -> Option<f64> {
+    const ALIKE: f64 = 0.3;
+    let mut shares = now.into_iter().zip(then).filter(|(now, then)| *now != 0.0 || *then != 0.0);
+    let share = shares.next().map(|(now, then)| now / then)?;
+    let alike = shares.all(|(now, then)| (now / then - share).abs() <= ALIKE * share.abs());
+    (alike && share.abs() < 3.0).then_some(share)
+}
+
+/// A guess of a state, from what it was predicted, and how far it may be trusted.
+pub(super) struct Guess {
+    pub point: Point,
+    /// The prediction by the tangent alone.
+    pub predicted: Point,
+    pub changes: Changes,
+    pub foreseen: Option<Foreseen>,
+}
+
+/// The state at the target inputs on the mesh of another contact: each node keeps what it has in proportion to the contact, and what
+/// that missed in the last step is added in the proportion of the steps.
+pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact: f64, control: Control) -> Point {
+    let now = &from.point;
+    let mut point = Point { contact_half_width: contact, thickening: target.thickening, ..now.clone() };
+    let system = bodies.system(now.mirrored);
+    let ratio = system.carry(&mut point.unknowns, now.contact_half_width, contact);
+    point.inputs.penetration_depth *= ratio;
+    let before = from.before.as_ref().filter(|before| before.mirrored == now.mirrored).and_then(|before| {
+        let way = changes(&before.target(), &now.target(), control);
+        let steps = proportion(changes(&now.target(), target, control), way)?;
+        let growth = |from: f64, to: f64| (to / from).ln();
+        let last = growth(before.contact_half_width, now.contact_half_width);
+        let share = if last == 0.0 { steps } else { growth(now.contact_half_width, contact) / last };
+        (0.0..=3.0).contains(&share).then_some((before, share))
+    });
+    if let Some((before, share)) = before {
+        let mut carried = before.unknowns.clone();
+        let last = system.carry(&mut carried, before.contact_half_width, now.contact_half_width);
+        let kept = point.unknowns.clone();
+        for ((guess, now), carried) in point.unknowns.iter_mut().zip(&now.unknowns).zip(&carried) {
+            *guess += share * ratio * (now - carried);
+        }
+        system.keep_films(&mut point.unknowns, &kept);
+        point.inputs.penetration_depth +=
+            share * ratio * (now.inputs.penetration_depth - last * before.inputs.penetration_depth);
+    }
+    if control == Control::Depth {
+        system.compress(&mut point.unknowns, target.inputs.penetration_depth - point.inputs.penetration_depth);
+    }
+    point
+}
+
+/// The state at the target inputs on the tangent, and beyond that by what the tangent missed in the last step.
+pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -> Guess {
+    let mut point = from.point.clone();
+    let changes = changes(&point.target(), target, control);
+    let kept = from.kept.as_ref();
+    let update = kept.and_then(|kept| along(bodies, &point, &kept.place, target, control).ok());
+    let system = bodies.system(point.mirrored);
+    let Some((update, approach)) = update else {
+        system.compress(&mut point.unknowns, target.inputs.penetration_depth - point.inputs.penetration_depth);
+        return Guess { predicted: point.clone(), point, changes, foreseen: None };
+    };
+    point.inputs.penetration_depth += approach;
+    let mut foreseen = Foreseen { step: system.relative_size(&point.unknowns, &update), corrected: 0.0 };
+    system.apply(&mut point.unknowns, &update, &point.active);
+    let predicted = point.clone();
+    if let Some((miss, share)) = kept.and_then(|kept| kept.miss.as_ref()).and_then(|m| Some((m, m.share(changes)?))) {
+        let mut correction: Vec<f64> = miss.next.iter().map(|missed| -share * missed).collect();
+        let approach = -correction.pop().unwrap_or_default();
+        foreseen.corrected = system.relative_size(&point.unknowns, &correction);
+        system.apply(&mut point.unknowns, &correction, &point.active);
+        if control == Control::Load {
+            point.inputs.penetration_depth += approach;
+        }
+    }
+    Guess { point, predicted, changes, foreseen: Some(foreseen) }
+}
+
+/// What to subtract from the unknowns for these changes of depth, speed and slide-to-roll ratio, by a tangent formed nearby; and the
+/// change of the depth, which under a load follows from that.
+fn along(
+    bodies: &mut Bodies,
+    point: &Point,
+    place: &Place,
+    target: &Target,
+    control: Control,
+) -> Result<(Vec<f64>, f64), Singular> {
+    if place.point.mirrored != point.mirrored {
+        return Err(Singular);
+    }
+    bodies.form(place)?;
+    let mut changes = changes(&point.target(), target, Control::Depth);
+    if point.mirrored {
+        // A mirrored pair does not change with the slide-to-roll ratio.
+        changes[2] = 0.0;
+    }
+    if control == Control::Load {
+        let mut wanted = target.inputs.applied_load - load(bodies, point);
+        for input in (1..3).filter(|input| changes[*input] != 0.0) {
+            wanted -= bodies.slope(input)?.load * changes[input];
+        }
+        let most = LONGEST_APPROACH * bodies.system(point.mirrored).thickness();
+        let stiffness = bodies.slope(0)?.load;
+        changes[0] = if stiffness > 0.0 { (wanted / stiffness).clamp(-most, most) } else { 0.0 };
+    }
+    let mut update = vec![0.0; point.unknowns.len()];
+    for (input, change) in changes.into_iter().take(3).enumerate().filter(|(_, change)| *change != 0.0) {
+        update.iter_mut().zip(&bodies.slope(input)?.unknowns).for_each(|(u, s)| *u -= s * change);
+    }
+    Ok((update, changes[0]))
+}
