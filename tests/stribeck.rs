@@ -56,7 +56,7 @@ fn the_table_has_the_names_of_the_variables_and_is_in_order() {
     let (header, rows) = table(&csv);
     assert_eq!(header[..3], ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"]);
     let (case, results) = header[3..].split_last().unwrap();
-    assert!(results.iter().eq(variables::scalar_outputs().map(|row| &row.name)));
+    assert!(results.iter().eq(variables::scalar_outputs().map(|row| row.name)));
     assert_eq!(case, "case");
     assert!(rows.iter().all(|row| row.last() == rows[0].last() && row.last().unwrap().len() == 32));
     assert_eq!(rows.len(), 14);

@@ -6,7 +6,8 @@ use super::bodies::{Bodies, Foreseen, LONGEST_APPROACH, Place, Point, Task};
 use crate::equations::grid;
 use crate::equations::system::Rates;
 use crate::error::Error;
-use crate::parameters::{Control, Inputs};
+use crate::outputs::Solved;
+use crate::parameters::{Control, Formulation, Inputs};
 use crate::solver::linear::Singular;
 use crate::solver::{continuation, newton};
 
@@ -133,7 +134,7 @@ fn at_depth(
         None => rest(bodies, inputs),
     };
     let result = travel(bodies, &from, inputs, iterations);
-    if result.is_ok() {
+    if result.as_ref().err().is_none_or(is_unresolved) {
         return result;
     }
     // Without motion fluid and film play no part, and pressing is easy; then the surfaces are set in motion.
@@ -243,6 +244,30 @@ fn rest(bodies: &mut Bodies, inputs: &Inputs) -> Steady {
     Steady { point: bodies.rest(inputs), kept: None, before: None }
 }
 
+/// Why no other way is tried, however long it would take.
+const UNRESOLVED: &str = "the stress of the tissue is far above every pressure: the mesh does not resolve how the pressure falls in so \
+                          tight a tissue, which in the paper's formulation turns elements inside out (formulation = \"consistent\" \
+                          has no such limit, a larger permeability is further from it)";
+/// Stress over pressure of such a state. On a mesh that is good enough they are of one size.
+const UNRESOLVED_STRESS: f64 = 1e3;
+
+fn is_unresolved(error: &Error) -> bool {
+    matches!(error, Error::NotConverged { reason, .. } if reason == UNRESOLVED)
+}
+
+/// Whether a state of the paper's equations is one from which no step is worth trying that failed once.
+fn unresolved(bodies: &mut Bodies, point: &Point) -> bool {
+    let parameters = bodies.parameters;
+    if parameters.formulation != Formulation::Paper {
+        return false;
+    }
+    let solved = Solved { system: bodies.system_of(point), parameters: &parameters, at: point.at(None) };
+    let (outputs, _) = solved.outputs();
+    let fluid = outputs.maximum_fluid_pressure.max(-outputs.minimum_fluid_pressure);
+    let largest = fluid.max(outputs.maximum_contact_pressure);
+    largest > 0.0 && outputs.maximum_von_mises_stress > UNRESOLVED_STRESS * largest
+}
+
 /// Goes from one state to others by steps of the inputs, at the end through time.
 fn travel(bodies: &mut Bodies, from: &Steady, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, Error> {
     let cold = from.kept.is_none();
@@ -254,7 +279,11 @@ fn travel(bodies: &mut Bodies, from: &Steady, inputs: &Inputs, iterations: &mut 
         if moves { along_contact(&from.point.inputs, inputs, to) } else { between(&from.point.inputs, inputs, to) }
     };
     let first = if moves { first_step(&from.point.inputs, inputs) } else { 1.0 };
+    let mut lost = false;
     let result = continuation::advance(first, |to| {
+        if lost {
+            return Err(UNRESOLVED.to_string());
+        }
         let target = way(to);
         let (mut next, spent) = step(bodies, &state, &target, limit, Control::Depth);
         *iterations += spent;
@@ -267,11 +296,12 @@ fn travel(bodies: &mut Bodies, from: &Steady, inputs: &Inputs, iterations: &mut 
                 (next, reached) = (whole, 1.0);
             }
         }
+        lost = next.is_err() && unresolved(bodies, &state.point);
         state = next?;
         Ok(reached)
     });
     let Err(continuation::Stuck { fraction, reason }) = result else { return Ok(state) };
-    let (relaxed, spent) = relax(bodies, &state.point, inputs);
+    let (relaxed, spent) = if lost { (Err(reason.clone()), 0) } else { relax(bodies, &state.point, inputs) };
     *iterations += spent;
     relaxed.map_err(|_| Error::NotConverged {
         requested: inputs.to_string(),

@@ -97,7 +97,7 @@ pub struct Settings {
     /// A factorisation is kept as long as the contraction of the updates promises the solution within so many further iterations,
     /// and the discrete state stays; 0 is Newton's method in full. About what a factorisation costs in iterations without.
     pub patience: f64,
-    /// No iteration begins after it.
+    /// No iteration begins after it, and a factorisation that is under way ends.
     pub deadline: Deadline,
 }
 
@@ -109,6 +109,9 @@ pub struct Failure {
     /// Iterations spent.
     pub iterations: usize,
 }
+
+/// Why a solution was given up that might have been found.
+const OVER: &str = "maximum_solve_time is over";
 
 /// An update of this relative size changes the tangent too much for it to be kept.
 const LARGE: f64 = 0.3;
@@ -141,12 +144,13 @@ pub fn solve(
     let (mut iterations, mut formed, mut converged) = (0, 0, false);
     while !stale || formed < settings.maximum_iterations {
         if settings.deadline.passed() {
-            return Err(fail("maximum_solve_time is over".into(), iterations));
+            return Err(fail(OVER.into(), iterations));
         }
         iterations += 1;
         let fail = |reason| fail(reason, iterations);
         if stale {
-            problem.factorise(unknowns).map_err(fail)?;
+            let tangent = problem.factorise(unknowns);
+            tangent.map_err(|reason| fail(if settings.deadline.passed() { OVER.into() } else { reason }))?;
             formed += 1;
             broyden.steps.clear();
         }
