@@ -147,7 +147,7 @@ fn the_reference_result_is_what_the_fmu_returns() {
         let name = &outputs[index - 1].name;
         // Iterations depend on the rounding of the machine; results do so at the level of Newton's tolerance.
         let largest = old.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let allowed = if name == "newton_iterations" { 50.0 } else { 1e-4 * largest };
+        let allowed = if *name == "newton_iterations" { 50.0 } else { 1e-4 * largest };
         for (old, new) in old.iter().zip(new) {
             assert!((old - new).abs() <= allowed, "{name} was {old}, is {new}: if that is right, {HOW}");
         }

@@ -6,12 +6,13 @@ use cartilage_contact::variables;
 use crate::importer::*;
 
 const INSTANCES: usize = 16;
-const STEPS: usize = 6;
+const STEPS: usize = 3;
 
 /// An instance of its own case: quasi-steady and in time, by both standards, in full film and in contact, sliding and rolling.
 fn instance(index: usize) -> Fmu {
     let fmu = Fmu::fresh(if index.is_multiple_of(2) { Standard::Fmi2 } else { Standard::Fmi3 });
-    assert_eq!((fmu.set_integer("mesh.columns", 20 + index as i32), fmu.set_integer("mesh.rows", 2)), (OK, OK));
+    assert_eq!((fmu.set_integer("mesh.columns", 12 + index as i32), fmu.set_integer("mesh.rows", 1)), (OK, OK));
+    assert_eq!(fmu.set_real("relative_tolerance", 1e-2), OK);
     assert_eq!(fmu.set_choice("time_integration", 1 + (index / 4 % 2) as i32), OK);
     assert_eq!(fmu.set_real("slide_to_roll_ratio", 0.2 * (index % 3) as f64), OK);
     assert_eq!(fmu.set_real("penetration_depth", depth(index, 0)), OK);
@@ -20,7 +21,7 @@ fn instance(index: usize) -> Fmu {
 }
 
 fn depth(index: usize, step: usize) -> f64 {
-    -8e-6 + 1e-6 * index as f64 + 0.5e-6 * step as f64
+    -9e-6 + 0.7e-6 * index as f64 + 0.5e-6 * step as f64
 }
 
 /// The bits of all results after a step.
@@ -47,11 +48,8 @@ fn instances_on_several_threads_give_the_same_bits_as_one_after_the_other() {
                 let mine: Vec<_> = (thread..INSTANCES).step_by(4).map(|index| (index, instance(index))).collect();
                 for number in 0..STEPS {
                     for (index, fmu) in &mine {
-                        assert_eq!(
-                            step(fmu, *index, number),
-                            serial[*index][number],
-                            "instance {index}, step {number}"
-                        );
+                        let found = step(fmu, *index, number);
+                        assert_eq!(Some(&found), serial[*index].get(number), "instance {index}, step {number}");
                     }
                 }
             });
