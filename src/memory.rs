@@ -73,7 +73,10 @@ pub fn check(parameters: &Parameters, simulations: usize) -> Result<(), Error> {
     if needed <= available {
         return Ok(());
     }
-    let gigabytes = |bytes: f64| format!("{:.1} GB", (1e-9 * bytes).max(0.0));
+    let size = |bytes: f64| {
+        let bytes = bytes.max(0.0);
+        if bytes < 1e9 { format!("{:.0} MB", 1e-6 * bytes) } else { format!("{:.1} GB", 1e-9 * bytes) }
+    };
     let many = if simulations > 1 { format!(" on {simulations} threads") } else { String::new() };
     Err(Error::value(
         "mesh.columns",
@@ -81,8 +84,8 @@ pub fn check(parameters: &Parameters, simulations: usize) -> Result<(), Error> {
         format!(
             "with mesh.rows = {} up to {} of memory are needed{many}, and {} are free; take fewer columns or rows",
             parameters.mesh.rows,
-            gigabytes(needed),
-            gigabytes(available)
+            size(needed),
+            size(available)
         ),
     ))
 }
