@@ -142,7 +142,7 @@ fn live(seed: u64, calls: usize) {
                 fmu.read_bytes(&altered)
             }
             19 => {
-                let status = fmu.set_choice(&VARIABLES[VARIABLES.len() - 1 - random.below(44)].name, 2);
+                let status = fmu.set_choice(VARIABLES[VARIABLES.len() - 1 - random.below(44)].name, 2);
                 small(&fmu);
                 status
             }
