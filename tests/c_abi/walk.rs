@@ -142,3 +142,15 @@ fn every_solution_of_a_long_walk_ends_in_its_time() {
     (1000..).take_while(|_| start.elapsed().as_secs() < 600).for_each(|seed| walk(seed, 2.0, &mut counts));
     println!("{counts:?}");
 }
+
+/// Cases of the short walk that have no solution within a minute either, found by it.
+#[test]
+#[ignore = "some minutes"]
+fn cases_that_take_more_than_a_minute_are_given_up_after_one() {
+    let seeds = std::env::var("WALK_SEEDS").unwrap_or_else(|_| "1,5".into());
+    for seed in seeds.split(',').map(|seed| seed.parse().unwrap()) {
+        let (mut counts, start) = (Counts::default(), Instant::now());
+        walk(seed, 60.0, &mut counts);
+        println!("seed {seed}, {:.0} s in all: {counts:?}", start.elapsed().as_secs_f64());
+    }
+}
