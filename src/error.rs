@@ -38,6 +38,9 @@ pub enum Error {
         /// What Newton's method stopped on.
         reason: String,
     },
+    /// Memory that a solution needs and that is not there.
+    #[error("{0}")]
+    Memory(String),
     /// Bytes or a snapshot that do not belong to this simulation.
     #[error("state refused: {0}")]
     State(String),

@@ -14,7 +14,28 @@ pub fn needed(parameters: &Parameters) -> f64 {
     let [columns, rows] = parameters.elements().map(f64::from);
     let strip = |rows: f64| columns * rows * (9e3 + 3.5e3 * rows.log2().max(0.0));
     let mirrored = if parameters.upper == parameters.lower { strip(rows) } else { 0.0 };
-    mirrored + strip(2.0 * rows)
+    WORKING + mirrored + strip(2.0 * rows)
+}
+
+/// What is needed beside the factors [bytes]: vectors, histories, and the linear algebra's own room, which goes with the processor's
+/// caches. A block of this size never changes how the host's allocator works, as one below 32 MiB would in glibc.
+const WORKING: f64 = 64e6;
+
+/// Sees before a solution that what it takes can be had, by taking as much and giving it back untouched: an importer may have
+/// used what was free when the instance was made. `made` says whether there is room for the factors already.
+///
+/// # Errors
+/// [`Error::Memory`] with the number.
+pub fn reserve(parameters: &Parameters, made: bool) -> Result<(), Error> {
+    let all = needed(parameters);
+    let bytes = if made { WORKING + 0.25 * (all - WORKING) } else { all };
+    let mut room: Vec<u8> = Vec::new();
+    room.try_reserve_exact(bytes as usize).map_err(|_| {
+        let megabytes = 1e-6 * bytes;
+        Error::Memory(format!(
+            "{megabytes:.0} MB of memory are needed for a solution and cannot be had; free some, or take fewer elements"
+        ))
+    })
 }
 
 /// What this process may still take [bytes], as far as the operating system says: of the machine, of its container, and of its
@@ -52,7 +73,10 @@ pub fn check(parameters: &Parameters, simulations: usize) -> Result<(), Error> {
     if needed <= available {
         return Ok(());
     }
-    let gigabytes = |bytes: f64| format!("{:.1} GB", (1e-9 * bytes).max(0.0));
+    let size = |bytes: f64| {
+        let bytes = bytes.max(0.0);
+        if bytes < 1e9 { format!("{:.0} MB", 1e-6 * bytes) } else { format!("{:.1} GB", 1e-9 * bytes) }
+    };
     let many = if simulations > 1 { format!(" on {simulations} threads") } else { String::new() };
     Err(Error::value(
         "mesh.columns",
@@ -60,8 +84,8 @@ pub fn check(parameters: &Parameters, simulations: usize) -> Result<(), Error> {
         format!(
             "with mesh.rows = {} up to {} of memory are needed{many}, and {} are free; take fewer columns or rows",
             parameters.mesh.rows,
-            gigabytes(needed),
-            gigabytes(available)
+            size(needed),
+            size(available)
         ),
     ))
 }
@@ -77,5 +101,15 @@ mod tests {
         (parameters.mesh.columns, parameters.mesh.rows) = (2000, 200);
         let message = check(&parameters, 1000).unwrap_err().to_string();
         assert!(message.contains("mesh.rows = 200 up to 4") && message.contains("GB are free"), "{message}");
+    }
+
+    #[test]
+    fn what_a_solution_takes_is_asked_for() {
+        let mut parameters = Parameters::default();
+        reserve(&parameters, false).unwrap();
+        // More than an address space has.
+        (parameters.mesh.columns, parameters.mesh.rows) = (i32::MAX, i32::MAX);
+        let message = reserve(&parameters, true).unwrap_err().to_string();
+        assert!(message.contains("MB of memory are needed for a solution and cannot be had"), "{message}");
     }
 }

@@ -3,9 +3,6 @@
 //! Inputs are declared here, results in [`RESULTS`], parameters in [`PARAMETERS`]. Each row says its value reference in FMI, which it
 //! keeps for good; a new row takes a new number and may stand anywhere. A number that is used twice does not compile.
 
-use std::collections::HashMap;
-use std::sync::LazyLock;
-
 use crate::error::Error;
 use crate::outputs::{Get, Outputs, RESULTS, ResultRow, STATIONS};
 use crate::parameters::{Inputs, Kind, PARAMETERS, Parameter, Parameters, Value};
@@ -65,15 +62,16 @@ pub enum Type {
 }
 
 /// One row of [`VARIABLES`].
+#[derive(Clone, Copy)]
 pub struct Variable {
     /// Value reference in FMI.
     pub reference: u32,
     /// Structured name, such as `upper.thickness` or `film_thickness[51]`.
-    pub name: String,
+    pub name: &'static str,
     /// Unit of the value.
     pub unit: Unit,
-    /// What it is, in one sentence.
-    pub description: String,
+    /// What it is, in one sentence; of a station, what the profile is.
+    pub description: &'static str,
     /// Order of magnitude (real variables only).
     pub nominal: f64,
     /// Role and place.
@@ -152,13 +150,13 @@ impl Variable {
                     _ => f64::NAN,
                 };
                 if !(row.minimum..=row.maximum).contains(&number) {
-                    return Err(Error::value(&self.name, value, self.allowed()));
+                    return Err(Error::value(self.name, value, self.allowed()));
                 }
                 *(row.access)(inputs) = number;
                 Ok(())
             }
             Source::Parameter(row) => row.set(parameters, value),
-            _ => Err(Error::value(&self.name, value, "it is a result and cannot be set")),
+            _ => Err(Error::value(self.name, value, "it is a result and cannot be set")),
         }
     }
 
@@ -227,6 +225,16 @@ impl Variable {
         !matches!(self.source, Source::Input(_) | Source::Parameter(_))
     }
 
+    /// The description, which for a station says which one.
+    pub fn full_description(&self) -> String {
+        match self.source {
+            Source::Position(station) | Source::Profile(_, station) => {
+                format!("{}, station {} of {STATIONS}", self.description, station + 1)
+            }
+            _ => self.description.into(),
+        }
+    }
+
     /// Whether it is one number or word, rather than a station of a profile.
     pub fn is_scalar(&self) -> bool {
         !matches!(self.source, Source::Position(_) | Source::Profile(..))
@@ -292,10 +300,8 @@ fn nearest(name: &str) -> Option<&'static str> {
     if name.chars().nth(LONGEST_NAME).is_some() {
         return None;
     }
-    let (edits, near) = VARIABLES
-        .iter()
-        .map(|row| (edit_distance(name, &row.name), row.name.as_str()))
-        .min_by_key(|(edits, _)| *edits)?;
+    let (edits, near) =
+        VARIABLES.iter().map(|row| (edit_distance(name, row.name), row.name)).min_by_key(|(edits, _)| *edits)?;
     (edits <= 2 + name.chars().count() / 4).then_some(near)
 }
 
@@ -436,58 +442,141 @@ const fn are_distinct(blocks: &[(u32, u32)]) -> bool {
 
 const _: () = assert!(are_distinct(&REFERENCES), "two rows have the same value reference; new rows take new numbers");
 
-/// The variables of a result: one, or one a station.
-fn of_result(row: &'static ResultRow) -> impl Iterator<Item = Variable> {
-    (0..row.length()).map(move |station| {
-        let index = station as usize;
-        let source = match row.get {
-            Get::Real(get) => Source::Result(get),
-            Get::Integer(get) => Source::Integer(get),
-            Get::Boolean(get) => Source::Boolean(get),
-            Get::Choice(items, get) => Source::Choice(items, get),
-            Get::Profile(get) => Source::Profile(get, index),
-            Get::Position => Source::Position(index),
-            Get::Stiffness => Source::Stiffness,
-        };
-        let (mut name, mut description) = (row.name.to_owned(), row.description.to_owned());
-        if matches!(source, Source::Position(_) | Source::Profile(..)) {
-            name += &format!("[{}]", station + 1);
-            description += &format!(", station {} of {STATIONS}", station + 1);
+/// How many variables there are.
+const COUNT: usize = {
+    let (mut count, mut i) = (INPUTS.len() + PARAMETERS.len(), 0);
+    while i < RESULTS.len() {
+        count += RESULTS[i].length() as usize;
+        i += 1;
+    }
+    count
+};
+
+/// Room for the name of a station.
+const NAME_LENGTH: usize = 40;
+
+/// The names of stations, such as `film_thickness[51]`, each at its variable's place; the others are empty. All is worked out by the
+/// compiler: what were made at run time would stay in the host's memory when it unloads the library.
+static STATION_NAMES: [([u8; NAME_LENGTH], usize); COUNT] = {
+    let mut names = [([0; NAME_LENGTH], 0); COUNT];
+    let (mut place, mut i) = (INPUTS.len(), 0);
+    while i < RESULTS.len() {
+        let mut station = 0;
+        while station < RESULTS[i].length() as usize {
+            if RESULTS[i].length() > 1 {
+                names[place] = station_name(RESULTS[i].name, station + 1);
+            }
+            (place, station) = (place + 1, station + 1);
         }
-        Variable { reference: row.reference + station, name, unit: row.unit, description, nominal: row.nominal, source }
-    })
+        i += 1;
+    }
+    names
+};
+
+/// The name of a station with its number in brackets, and its length.
+const fn station_name(profile: &str, number: usize) -> ([u8; NAME_LENGTH], usize) {
+    let (mut text, mut length) = ([0; NAME_LENGTH], profile.len());
+    let mut i = 0;
+    while i < length {
+        text[i] = profile.as_bytes()[i];
+        i += 1;
+    }
+    text[length] = b'[';
+    length += 1;
+    let mut unit = 1;
+    while unit <= number / 10 {
+        unit *= 10;
+    }
+    while unit > 0 {
+        text[length] = b'0' + (number / unit % 10) as u8;
+        (length, unit) = (length + 1, unit / 10);
+    }
+    text[length] = b']';
+    (text, length + 1)
+}
+
+/// The variable of a result that stands at this place: the only one, or that of a station.
+const fn of_result(row: &'static ResultRow, station: usize, place: usize) -> Variable {
+    let source = match row.get {
+        Get::Real(get) => Source::Result(get),
+        Get::Integer(get) => Source::Integer(get),
+        Get::Boolean(get) => Source::Boolean(get),
+        Get::Choice(items, get) => Source::Choice(items, get),
+        Get::Profile(get) => Source::Profile(get, station),
+        Get::Position => Source::Position(station),
+        Get::Stiffness => Source::Stiffness,
+    };
+    let (mut name, reference) = (row.name, row.reference + station as u32);
+    if row.length() > 1 {
+        let (text, length) = &STATION_NAMES[place];
+        if let Ok(text) = str::from_utf8(text.split_at(*length).0) {
+            name = text;
+        }
+    }
+    Variable { reference, name, unit: row.unit, description: row.description, nominal: row.nominal, source }
 }
 
 /// Every variable: inputs, results, parameters, in the order in which they are listed.
-pub static VARIABLES: LazyLock<Vec<Variable>> = LazyLock::new(|| {
-    let inputs = INPUTS.iter().map(|row| Variable {
-        reference: row.reference,
-        name: row.name.into(),
-        unit: row.unit,
-        description: row.description.into(),
-        nominal: row.nominal,
-        source: Source::Input(row),
-    });
-    let parameters = PARAMETERS.into_iter().map(|row| Variable {
-        reference: row.reference,
-        name: row.name.into(),
-        unit: row.unit,
-        description: row.description.into(),
-        nominal: match row.kind {
+pub static VARIABLES: [Variable; COUNT] = {
+    let source = Source::Stiffness;
+    let mut all = [Variable { reference: 0, name: "", unit: Unit::One, description: "", nominal: 1.0, source }; COUNT];
+    let (mut place, mut i) = (0, 0);
+    while i < INPUTS.len() {
+        let InputRow { name, reference, unit, nominal, description, .. } = INPUTS[i];
+        let source = Source::Input(&INPUTS[i]);
+        all[place] = Variable { reference, name, unit, description, nominal, source };
+        (place, i) = (place + 1, i + 1);
+    }
+    i = 0;
+    while i < RESULTS.len() {
+        let mut station = 0;
+        while station < RESULTS[i].length() as usize {
+            all[place] = of_result(&RESULTS[i], station, place);
+            (place, station) = (place + 1, station + 1);
+        }
+        i += 1;
+    }
+    i = 0;
+    while i < PARAMETERS.len() {
+        let Parameter { name, reference, unit, description, .. } = *PARAMETERS[i];
+        let nominal = match PARAMETERS[i].kind {
             Kind::Real { nominal, .. } => nominal,
             _ => 1.0,
-        },
-        source: Source::Parameter(row),
-    });
-    inputs.chain(RESULTS.iter().flat_map(of_result)).chain(parameters).collect()
-});
+        };
+        all[place] = Variable { reference, name, unit, description, nominal, source: Source::Parameter(PARAMETERS[i]) };
+        (place, i) = (place + 1, i + 1);
+    }
+    all
+};
 
-static BY_REFERENCE: LazyLock<HashMap<u32, &'static Variable>> =
-    LazyLock::new(|| VARIABLES.iter().map(|variable| (variable.reference, variable)).collect());
+/// One more than the largest value reference.
+const END: usize = {
+    let (mut end, mut i) = (0, 0);
+    while i < REFERENCES.len() {
+        let (first, count) = REFERENCES[i];
+        if end < first + count {
+            end = first + count;
+        }
+        i += 1;
+    }
+    end as usize
+};
+
+/// For each value reference one more than the place of its variable; 0 where there is none.
+static PLACES: [u16; END] = {
+    assert!(COUNT < u16::MAX as usize);
+    let (mut places, mut i) = ([0; END], 0);
+    while i < COUNT {
+        places[VARIABLES[i].reference as usize] = i as u16 + 1;
+        i += 1;
+    }
+    places
+};
 
 /// The variable with this value reference, if there is one.
 pub fn referred(reference: u32) -> Option<&'static Variable> {
-    BY_REFERENCE.get(&reference).copied()
+    let place = PLACES.get(reference as usize)?.checked_sub(1)?;
+    VARIABLES.get(usize::from(place))
 }
 
 #[cfg(test)]
@@ -497,10 +586,11 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_start_values_are_allowed() {
-        let mut names: Vec<_> = VARIABLES.iter().map(|row| &row.name).collect();
+        let mut names: Vec<_> = VARIABLES.iter().map(|row| row.name).collect();
         names.sort();
         names.dedup();
         assert_eq!(names.len(), VARIABLES.len());
+        assert_eq!(find("film_thickness[101]").unwrap().full_description(), "Film thickness, station 101 of 101");
         let (mut parameters, mut inputs) = (Parameters::default(), Inputs::default());
         for row in VARIABLES.iter() {
             if let Some(start) = row.start() {
@@ -519,7 +609,7 @@ mod tests {
         for variable in VARIABLES.iter() {
             assert_eq!(referred(variable.reference).unwrap().name, variable.name);
         }
-        assert_eq!(BY_REFERENCE.len(), VARIABLES.len());
+        assert!(referred(END as u32).is_none() && referred(u32::MAX).is_none());
         assert!(RETIRED.iter().all(|row| referred(row.reference).is_none() && find(row.name).is_err()));
     }
 
@@ -576,9 +666,10 @@ mod tests {
         let outputs = &Outputs { load: 2.0, newton_iterations: 3, ..Outputs::default() };
         let (parameters, inputs) = (&Parameters::default(), &Inputs::default());
         let view = View { parameters, inputs, outputs, contact_stiffness: 0.0, position: &[] };
-        let found: Vec<_> = ROWS.iter().flat_map(of_result).map(|row| (row.data_type(), row.get(&view))).collect();
+        let rows = [of_result(&ROWS[0], 0, 0), of_result(&ROWS[1], 0, 0)];
+        let found: Vec<_> = rows.iter().map(|row| (row.data_type(), row.get(&view))).collect();
         assert_eq!(found, [(Type::Integer, Value::Integer(3)), (Type::Boolean, Value::Boolean(true))]);
-        assert!(ROWS.iter().flat_map(of_result).all(|row| row.is_output() && row.derivative(outputs).is_none()));
+        assert!(rows.iter().all(|row| row.is_output() && row.derivative(outputs).is_none()));
     }
 
     #[test]

@@ -65,7 +65,7 @@ fn help_teaches() {
     }
     let text = out(&run("solve --help"));
     for row in variables::VARIABLES.iter().filter(|row| row.is_scalar()) {
-        assert!(text.contains(&row.name), "{} is missing from `solve --help`", row.name);
+        assert!(text.contains(row.name), "{} is missing from `solve --help`", row.name);
     }
     assert!(text.contains("upper.shear_modulus = 500000: a number from 1e2 to 1e10 Pa"), "{text}");
     assert!(out(&run("--version")).starts_with("cartilage-contact "));
@@ -78,8 +78,8 @@ fn json_has_the_names_of_the_variables_and_finite_numbers() {
         assert!(object[name].is_number(), "{name}");
     }
     for row in variables::scalar_outputs() {
-        let value = &object[&row.name];
-        let expected = match row.name.as_str() {
+        let value = &object[row.name];
+        let expected = match row.name {
             "lubrication_regime" => value.is_string(),
             "well_resolved" => value.is_boolean(),
             _ => value.is_number(),
@@ -219,13 +219,13 @@ fn too_little_memory_is_said_with_the_number() {
     let output = with(4_000_000, "solve --set mesh.columns=2000 --set mesh.rows=200");
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("mesh.rows = 200 up to 45.7 GB of memory are needed, and 4.1 GB are free"), "{message}");
+    assert!(message.contains("mesh.rows = 200 up to 45.8 GB of memory are needed, and 4.1 GB are free"), "{message}");
     // Where it is nearly enough: an answer either way, and never an abort.
     let codes = [45_000, 60_000, 90_000, 130_000, 200_000].map(|kilobytes| {
         with(kilobytes, "solve --set mesh.columns=100 --set mesh.rows=8 --set slide_to_roll_ratio=0.1").status.code()
     });
     assert!(
-        codes.iter().all(|code| matches!(code, Some(0 | 2))) && codes[0] == Some(2) && codes[4] == Some(0),
+        codes.iter().all(|code| matches!(code, Some(0..=2))) && codes[0] == Some(2) && codes[4] == Some(0),
         "{codes:?}"
     );
 }
@@ -233,9 +233,19 @@ fn too_little_memory_is_said_with_the_number() {
 #[test]
 fn a_solution_is_given_up_when_its_time_is_over() {
     let start = std::time::Instant::now();
-    let message = refused("solve --set both.permeability=1e-24 --set maximum_solve_time=0.5", 1);
+    let message = refused("solve --set maximum_solve_time=0.01", 1);
     assert!(message.contains("then maximum_solve_time is over"), "{message}");
     assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}
+
+#[test]
+fn a_tissue_too_tight_for_the_mesh_is_said_without_trying_for_long() {
+    let message = refused(&format!("solve {COARSE} --set both.permeability=1e-24"), 1);
+    assert!(message.contains("the mesh does not resolve how the pressure falls in so tight a tissue"), "{message}");
+    // As much as a solution on this mesh, some times over; it was a thousand iterations and more.
+    let start = std::time::Instant::now();
+    refused(&format!("solve {COARSE} --set both.permeability=1e-24 --set maximum_solve_time=5"), 1);
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
 }
 
 #[test]
@@ -288,7 +298,7 @@ fn without_arguments_it_builds_and_drives_the_fmu() {
     let header: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
     assert_eq!(header[..4], ["time", "penetration_depth", "sliding_speed", "slide_to_roll_ratio"]);
     for row in variables::scalar_outputs() {
-        assert!(header.contains(&row.name), "{} is not in the CSV", row.name);
+        assert!(header.iter().any(|name| name == row.name), "{} is not in the CSV", row.name);
     }
     let depths: Vec<f64> = table.records().map(|record| record.unwrap()[1].parse().unwrap()).collect();
     assert_eq!(depths.len(), 81);

@@ -99,7 +99,7 @@ fn the_reference_result_is_what_the_fmu_returns() {
     let mut instance = Instance::new(Standard::Fmi2, Log::new(false));
     instance.enter_initialization_mode().unwrap();
     let mut input = "time,penetration_depth\n".to_owned();
-    let names: Vec<_> = outputs.iter().map(|variable| variable.name.as_str()).collect();
+    let names: Vec<_> = outputs.iter().map(|variable| variable.name).collect();
     let mut result = format!("time,{}\n", names.join(","));
     for step in 0..=STEPS {
         // The input of a row holds during the step that begins there: the row before is that of its end.
@@ -112,7 +112,7 @@ fn the_reference_result_is_what_the_fmu_returns() {
         writeln!(input, "{:?},{:?}", time((step - 1).max(0)), depth(step)).unwrap();
         write!(result, "{:?}", time(step)).unwrap();
         for variable in &outputs {
-            let reference = [reference(&variable.name)];
+            let reference = [reference(variable.name)];
             match variable.data_type() {
                 Type::Real => {
                     let mut value = [f64::NAN];
@@ -147,7 +147,7 @@ fn the_reference_result_is_what_the_fmu_returns() {
         let name = &outputs[index - 1].name;
         // Iterations depend on the rounding of the machine; results do so at the level of Newton's tolerance.
         let largest = old.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let allowed = if name == "newton_iterations" { 50.0 } else { 1e-4 * largest };
+        let allowed = if *name == "newton_iterations" { 50.0 } else { 1e-4 * largest };
         for (old, new) in old.iter().zip(new) {
             assert!((old - new).abs() <= allowed, "{name} was {old}, is {new}: if that is right, {HOW}");
         }

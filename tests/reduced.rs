@@ -48,7 +48,7 @@ fn numbers(outputs: &Outputs) -> Vec<(&'static str, f64)> {
         Source::Profile(get, station) => Some(get(outputs)[*station]),
         _ => None,
     };
-    VARIABLES.iter().filter_map(|row| Some((row.name.as_str(), number(&row.source)?))).collect()
+    VARIABLES.iter().filter_map(|row| Some((row.name, number(&row.source)?))).collect()
 }
 
 /// Largest value of each output over the range, for scale; of a profile, that of all its stations.

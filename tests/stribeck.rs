@@ -56,7 +56,7 @@ fn the_table_has_the_names_of_the_variables_and_is_in_order() {
     let (header, rows) = table(&csv);
     assert_eq!(header[..3], ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"]);
     let (case, results) = header[3..].split_last().unwrap();
-    assert!(results.iter().eq(variables::scalar_outputs().map(|row| &row.name)));
+    assert!(results.iter().eq(variables::scalar_outputs().map(|row| row.name)));
     assert_eq!(case, "case");
     assert!(rows.iter().all(|row| row.last() == rows[0].last() && row.last().unwrap().len() == 32));
     assert_eq!(rows.len(), 14);
@@ -398,4 +398,125 @@ fn wrong_usage_is_explained() {
         let message = refused(arguments, 2);
         assert!(message.contains(expected), "{arguments}: {message}");
     }
+}
+
+/// The files below a folder that are for users, with their content.
+fn files(folder: &Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else if !path.file_name().unwrap().to_string_lossy().starts_with('.') {
+            let content = std::fs::read(&path).unwrap();
+            found.push((path, content));
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Kills a command at random moments: every file is whole, that of before or the new one, and the next run is not hindered.
+fn kill(command: &str, longest: u64, times: u64) {
+    let folder = tempfile::tempdir().unwrap();
+    let run_with =
+        |viscosity: &str| format!("{command} --set viscosity={viscosity} --output {}", target(command, folder.path()));
+    done(&run_with("1e-3"));
+    let old = files(folder.path());
+    done(&run_with("2e-3"));
+    let new = files(folder.path());
+    assert_eq!(old.len(), new.len());
+    assert!(!old.is_empty());
+    let mut random = 20_240_229_u64;
+    let mut disturbed = 0;
+    for round in 0..times {
+        let mut child = spawn(&run_with(if round % 2 == 0 { "1e-3" } else { "2e-3" }));
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        std::thread::sleep(std::time::Duration::from_millis((random >> 33) % longest));
+        disturbed += u64::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let now = files(folder.path());
+        assert_eq!(now.len(), old.len(), "{command}, round {round}");
+        for ((path, now), ((_, old), (_, new))) in now.iter().zip(old.iter().zip(&new)) {
+            assert!(now == old || now == new, "{command}, round {round}: {} is half written", path.display());
+        }
+    }
+    println!("{command}: {disturbed} of {times} runs were killed");
+    done(&run_with("1e-3"));
+    assert_eq!(files(folder.path()), old, "{command}");
+}
+
+/// What is behind --output: a file for the commands that write FMUs.
+fn target(command: &str, folder: &Path) -> String {
+    let file = if command.starts_with("reduce") { "contact.fmu" } else { "" };
+    folder.join(file).display().to_string()
+}
+
+const SMALL: &str = "--set=mesh.columns=12 --set=mesh.rows=1";
+
+/// The other commands that write: their last argument is the longest time until they are killed [ms].
+fn kill_others(times: u64) {
+    kill(&format!("gait {SMALL} --steps 16 --cycles 1"), 1500, times);
+    kill(&format!("sensitivity {SMALL}"), 1500, times);
+    kill(&format!("reduce {SMALL} --depths=-9e-6:-8e-6 --speeds 0.1:0.2 --threads 1"), 1500, times);
+}
+
+#[test]
+fn killed_commands_leave_whole_files() {
+    kill_others(3);
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn commands_that_are_killed_many_times_leave_whole_files() {
+    kill_others(100);
+}
+
+/// A command without parameters of its own, that writes two files.
+#[test]
+fn a_killed_package_leaves_whole_fmus() {
+    let folder = tempfile::tempdir().unwrap();
+    let package = format!("package --output {}", folder.path().join("x.fmu").display());
+    done(&package);
+    let whole = files(folder.path());
+    assert_eq!(whole.len(), 2);
+    for round in 0..12 {
+        let mut child = spawn(&package);
+        std::thread::sleep(std::time::Duration::from_millis(60 * round));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(files(folder.path()) == whole, "round {round}");
+    }
+}
+
+/// On a disk of its own, where this user may have one; elsewhere the limit on the size of files stands in for it, see above.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_disk_that_is_full_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let (disk, kept) = (folder.path().join("disk"), folder.path().join("kept.csv"));
+    std::fs::create_dir(&disk).unwrap();
+    let program = env!("CARGO_BIN_EXE_cartilage-contact");
+    let script = format!(
+        "mount -t tmpfs -o size=32k none {0} || exit 77\n\
+         {program} stribeck {COARSE} --depths -40e-6:-20e-6:0.1e-6 --threads 1 --output {0}\n\
+         code=$?; cp {0}/stribeck.csv {1}; exit $code",
+        disk.display(),
+        kept.display()
+    );
+    let Ok(output) = Command::new("unshare").args(["--mount", "sh", "-c", &script]).output() else { return };
+    if output.status.code() != Some(1) {
+        println!("no disk of its own: {}", text(&output.stderr));
+        assert!(!kept.exists());
+        return;
+    }
+    let message = text(&output.stderr);
+    if !kept.exists() {
+        println!("no disk of its own: {message}");
+        return;
+    }
+    assert!(message.contains("stribeck.csv: could not write") && message.contains("No space left"), "{message}");
+    let rows = std::fs::read_to_string(&kept).unwrap().lines().count();
+    assert!((5..100).contains(&rows), "{rows} lines fit");
 }

@@ -75,9 +75,9 @@ pub fn run() -> Result<(), Failure> {
 fn record(fmu: &Path) -> Result<Recording, String> {
     let scalars = |wanted: Type| variables::scalar_outputs().filter(move |row| row.data_type() == wanted);
     let inputs = ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"].map(str::to_owned);
-    let reals: Vec<String> = inputs.into_iter().chain(scalars(Type::Real).map(|row| row.name.clone())).collect();
-    let integers: Vec<String> = scalars(Type::Integer).map(|row| row.name.clone()).collect();
-    let booleans: Vec<String> = scalars(Type::Boolean).map(|row| row.name.clone()).collect();
+    let reals: Vec<String> = inputs.into_iter().chain(scalars(Type::Real).map(|row| row.name.to_owned())).collect();
+    let integers: Vec<String> = scalars(Type::Integer).map(|row| row.name.to_owned()).collect();
+    let booleans: Vec<String> = scalars(Type::Boolean).map(|row| row.name.to_owned()).collect();
     let depths: Vec<i32> = (FIRST..=LAST).chain((FIRST..LAST).rev()).collect();
 
     let importer = Importer::open(fmu)?;

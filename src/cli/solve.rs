@@ -88,7 +88,7 @@ fn json(simulation: &mut Simulation) -> Result<String, Failure> {
     let view = View::new(simulation)?;
     let mut object = serde_json::Map::new();
     for variable in printed() {
-        object.insert(variable.name.clone(), json_value(variable.get(&view)));
+        object.insert(variable.name.into(), json_value(variable.get(&view)));
     }
     for variable in VARIABLES.iter().filter(|row| !row.is_scalar()) {
         let name = variable.name.split('[').next().unwrap_or_default();

@@ -145,7 +145,7 @@ fn types(xml: &mut String, opening: fn(&str) -> String, closing: &str, indent: &
 /// both.
 fn type_name(variable: &Variable) -> String {
     let of_body = ["upper.", "lower."].into_iter().find_map(|body| variable.name.strip_prefix(body));
-    format!("{}_type", of_body.unwrap_or(&variable.name))
+    format!("{}_type", of_body.unwrap_or(variable.name))
 }
 
 /// What FMI calls the role of a variable.

@@ -57,8 +57,8 @@ fn settable(wanted: fn(&Variable) -> bool) -> String {
                 Some((low, high)) => format!("{} to {}", readable(low), readable(high)),
                 None => escape(&variable.allowed()),
             };
-            let meaning = escape(&variable.description);
-            vec![code(&variable.name), variable.unit.name().into(), start(variable), range, meaning]
+            let meaning = escape(&variable.full_description());
+            vec![code(variable.name), variable.unit.name().into(), start(variable), range, meaning]
         }),
     )
 }
@@ -66,20 +66,18 @@ fn settable(wanted: fn(&Variable) -> bool) -> String {
 fn results() -> String {
     table(
         &["Name", "Unit", "Meaning"],
-        VARIABLES
-            .iter()
-            .filter(|variable| variable.is_output() && variable.is_scalar())
-            .map(|variable| vec![code(&variable.name), variable.unit.name().into(), escape(&variable.description)]),
+        VARIABLES.iter().filter(|variable| variable.is_output() && variable.is_scalar()).map(|variable| {
+            vec![code(variable.name), variable.unit.name().into(), escape(&variable.full_description())]
+        }),
     )
 }
 
 fn profiles() -> String {
     table(
         &["Name", "Unit", "Meaning of the first"],
-        VARIABLES
-            .iter()
-            .filter(|variable| variable.name.ends_with("[1]"))
-            .map(|variable| vec![code(&variable.name), variable.unit.name().into(), escape(&variable.description)]),
+        VARIABLES.iter().filter(|variable| variable.name.ends_with("[1]")).map(|variable| {
+            vec![code(variable.name), variable.unit.name().into(), escape(&variable.full_description())]
+        }),
     )
 }
 
@@ -92,7 +90,7 @@ fn choices() -> String {
         &["Variable", "Number", "Word", "Meaning"],
         rows.flat_map(|(variable, items)| {
             items.iter().zip(1..).map(|((word, meaning), number): (_, i32)| {
-                vec![code(&variable.name), number.to_string(), code(word), escape(meaning)]
+                vec![code(variable.name), number.to_string(), code(word), escape(meaning)]
             })
         }),
     )

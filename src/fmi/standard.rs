@@ -30,7 +30,7 @@ impl Element {
     pub fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
-            Self::Row(variable) => &variable.name,
+            Self::Row(variable) => variable.name,
         }
     }
 

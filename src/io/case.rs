@@ -195,6 +195,9 @@ fn read(value: &DeValue) -> Result<Value, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::collection;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     fn message(text: &str) -> String {
         Case::parse("case.toml", text).unwrap_err().to_string()
@@ -327,6 +330,31 @@ mod tests {
             assert!(message.starts_with("case.toml:") && message.len() < 3000, "{} characters", message.len());
         }
         assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+    }
+
+    proptest! {
+        // As many as PROPTEST_CASES says.
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(15), ..ProptestConfig::default() })]
+        #[test]
+        fn altered_files_are_read_or_refused(edits in collection::vec((0.0..1.0, any::<u8>(), 0..5_usize), 1..9)) {
+            const WORDS: [&str; 8] = ["\n[[", "\"\"\"", "= nan\n", "1e999", "\n[both]\n", "preset = 'human_normal'\n", "{a = 1}", "\u{feff}"];
+            let mut bytes = format!("{}[upper]\nthickness = 1e-3\n", Case::default().fixed_part()).into_bytes();
+            for (share, byte, kind) in edits {
+                let place = (share * bytes.len() as f64) as usize;
+                match kind {
+                    0 => bytes[place] = byte,
+                    1 => bytes[place] ^= 1 << (byte % 8),
+                    2 => bytes.truncate(place.max(1)),
+                    3 => { bytes.drain(place..bytes.len().min(place + usize::from(byte))); }
+                    _ => { bytes.splice(place..place, WORDS[usize::from(byte) % WORDS.len()].bytes()); }
+                }
+                if bytes.is_empty() { break; }
+            }
+            match Case::parse("f", &String::from_utf8_lossy(&bytes)) {
+                Ok(case) => prop_assert!(case.parameters.validate().is_ok()),
+                Err(error) => prop_assert!(error.to_string().starts_with("f:"), "{}", error),
+            }
+        }
     }
 
     #[test]

@@ -355,3 +355,54 @@ fn boundary_friction(p: &Parameters, inputs: &Inputs) -> [f64; 4] {
     let by_ratio = 0.5 * u * (slopes[0] - slopes[1]);
     [mobilised, 0.0, by_speed, by_ratio].map(|value| value * p.boundary_friction_coefficient)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::LazyLock;
+
+    use proptest::collection;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+    use crate::parameters::Mesh;
+
+    /// The smallest table there is.
+    static PAYLOAD: LazyLock<Vec<u8>> = LazyLock::new(|| {
+        let mesh = Mesh { columns: 12, rows: 1, ..Parameters::default().mesh };
+        let range = Range { depths: [-9e-6, -8e-6], speeds: [0.1, 0.2], slide_to_roll_ratio: 0.0 };
+        let parameters = Parameters { mesh, ..Parameters::default() };
+        let model = ReducedModel::build(&parameters, range, Tolerance::default(), 1, &|_| ()).unwrap();
+        model.to_bytes().unwrap()[MAGIC.len() + CHECK_SUM_LENGTH..].to_vec()
+    });
+
+    proptest! {
+        // As many as PROPTEST_CASES says.
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(15), ..ProptestConfig::default() })]
+        #[test]
+        fn altered_tables_are_refused_or_evaluated(edits in collection::vec((0.0..1.0, any::<u8>(), 0..5_usize), 1..4)) {
+            let mut payload = PAYLOAD.clone();
+            for (share, byte, kind) in edits {
+                // Sizes and ranges are at the start.
+                let place = (f64::powi(share, 4) * payload.len() as f64) as usize;
+                match kind {
+                    0 => payload[place] = byte,
+                    1 => payload[place] ^= 1 << (byte % 8),
+                    2 => payload.truncate(place.max(1)),
+                    3 => { payload.remove(place); }
+                    _ => payload.insert(place, byte),
+                }
+                if payload.is_empty() { break; }
+            }
+            let bytes = [MAGIC, check_sum(&payload).as_bytes(), &payload].concat();
+            if let Ok(model) = ReducedModel::from_bytes(&bytes) {
+                for penetration_depth in [-9e-6, -8.5e-6, -8e-6, 0.0] {
+                    for sliding_speed in [0.0, -0.1, 0.15, 0.2] {
+                        let _ = model.evaluate(&Inputs { penetration_depth, sliding_speed, ..Inputs::NONE });
+                    }
+                }
+                prop_assert!(!model.to_string().is_empty());
+            }
+        }
+    }
+}

@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::equations::grid;
 use crate::equations::system::{At, Direction, Rates, Residual, System, boundary_friction};
+use crate::error::Error;
+use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
 use crate::solver::deadline::Deadline;
 use crate::solver::linear::{FIXED, Singular};
@@ -161,6 +163,11 @@ impl Bodies {
         let system = self.system(point.mirrored);
         system.fit(point.contact_half_width, point.thickening);
         system
+    }
+
+    /// Sees that there is memory for a solution; the equations of two bodies apart may still have to be made.
+    pub fn reserve(&self) -> Result<(), Error> {
+        memory::reserve(&self.parameters, self.full.is_some())
     }
 
     /// The equations on whatever mesh they had last.
@@ -379,7 +386,10 @@ impl newton::Problem for Balance<'_> {
             contact_forces: self.contact_forces(),
         };
         let place = Place { point, rates: self.task.rates.cloned() };
-        self.tangent.form(self.system, &place).map_err(|singular| singular.to_string())
+        self.system.set_deadline(self.task.settings.deadline);
+        let formed = self.tangent.form(self.system, &place);
+        self.system.set_deadline(Deadline::default());
+        formed.map_err(|singular| singular.to_string())
     }
 
     fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String> {

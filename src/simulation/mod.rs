@@ -164,6 +164,7 @@ impl Simulation {
             self.solve_steady(drive.inputs)?;
         }
         let Some(state) = &self.state else { return Ok(()) };
+        self.bodies.reserve()?;
         self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
         let motion = match &state.path {
             Path::Steady(..) => None,
@@ -188,6 +189,7 @@ impl Simulation {
     fn steady(&mut self, drive: Drive, duration: f64) -> Result<(), Error> {
         let inputs = drive.at(duration);
         check(&inputs)?;
+        self.bodies.reserve()?;
         let from = self.state.as_ref().map(|state| Steady {
             point: state.point.clone(),
             kept: match &state.path {
@@ -234,7 +236,10 @@ impl Simulation {
         let Some(state) = &self.state else { return Err(unsolved()) };
         match &mut self.derivatives {
             Some(derivatives) => Ok(derivatives),
-            slot => Ok(slot.insert(derivatives::by_inputs(&mut self.bodies, state).map_err(Error::State)?)),
+            slot => {
+                self.bodies.reserve()?;
+                Ok(slot.insert(derivatives::by_inputs(&mut self.bodies, state).map_err(Error::State)?))
+            }
         }
     }
 
@@ -264,7 +269,10 @@ impl Simulation {
         let Some(state) = &self.state else { return Err(unsolved()) };
         match &mut self.rates {
             Some(rates) => Ok(rates),
-            slot => Ok(slot.insert(derivatives::by_time(&mut self.bodies, state).map_err(Error::State)?)),
+            slot => {
+                self.bodies.reserve()?;
+                Ok(slot.insert(derivatives::by_time(&mut self.bodies, state).map_err(Error::State)?))
+            }
         }
     }
 

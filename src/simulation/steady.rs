@@ -5,7 +5,8 @@ use super::predictor::{Guess, Kept, Miss, Target, carry, predict};
 use super::relaxation::relax;
 use crate::equations::grid;
 use crate::error::Error;
-use crate::parameters::{Control, Inputs};
+use crate::outputs::Solved;
+use crate::parameters::{Control, Formulation, Inputs};
 use crate::solver::{continuation, newton};
 
 /// A steady state, and the tangent that led to it: near enough to predict states nearby and to solve for them.
@@ -44,12 +45,13 @@ pub(super) fn solve(
         let allowed = format!("{LEAST_LOAD:e} N/m or more: with less the surfaces part, and there is no steady state");
         return Err(Error::value("applied_load", inputs.applied_load, allowed));
     }
-    if let Some(from) = from
-        && let Ok(state) = travel(bodies, &from, Target { inputs: *inputs, thickening: 1.0 }, control, iterations)
-    {
-        return Ok(state);
-    }
-    from_rest(bodies, inputs, iterations).map_err(|stuck| Error::NotConverged {
+    let warm = from.map(|from| travel(bodies, &from, Target { inputs: *inputs, thickening: 1.0 }, control, iterations));
+    let result = match warm {
+        Some(Ok(state)) => return Ok(state),
+        Some(Err(stuck)) if stuck.reason == UNRESOLVED => Err(stuck),
+        _ => from_rest(bodies, inputs, iterations),
+    };
+    result.map_err(|stuck| Error::NotConverged {
         requested: match control {
             Control::Depth => inputs.to_string(),
             Control::Load => format!("applied_load = {} N/m, {inputs}", inputs.applied_load),
@@ -86,6 +88,7 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
         let target = Target { inputs, thickening };
         state = match travel(bodies, &state, target, Control::Depth, iterations) {
             Ok(state) => state,
+            Err(stuck) if stuck.reason == UNRESOLVED => return Err(stuck),
             Err(stuck) => relaxed(bodies, &stuck.state, &target, Control::Depth, iterations)?,
         };
     }
@@ -113,6 +116,26 @@ pub(super) fn load(bodies: &mut Bodies, point: &Point) -> f64 {
     bodies.system_of(point).load(point.at(None))
 }
 
+/// Why no other way is tried, however long it would take.
+const UNRESOLVED: &str = "the stress of the tissue is far above every pressure: the mesh does not resolve how the pressure falls in so \
+                          tight a tissue, which in the paper's formulation turns elements inside out (formulation = \"consistent\" \
+                          has no such limit, a larger permeability is further from it)";
+/// Stress over pressure of such a state. On a mesh that is good enough they are of one size.
+const UNRESOLVED_STRESS: f64 = 1e3;
+
+/// Whether a state of the paper's equations is one from which no step is worth trying that failed once.
+fn unresolved(bodies: &mut Bodies, point: &Point) -> bool {
+    let parameters = bodies.parameters;
+    if parameters.formulation != Formulation::Paper {
+        return false;
+    }
+    let solved = Solved { system: bodies.system_of(point), parameters: &parameters, at: point.at(None) };
+    let (outputs, _) = solved.outputs();
+    let fluid = outputs.maximum_fluid_pressure.max(-outputs.minimum_fluid_pressure);
+    let largest = fluid.max(outputs.maximum_contact_pressure);
+    largest > 0.0 && outputs.maximum_von_mises_stress > UNRESOLVED_STRESS * largest
+}
+
 /// Goes from one state to another by steps of what is given.
 fn travel(
     bodies: &mut Bodies,
@@ -126,9 +149,14 @@ fn travel(
     let way = |fraction: f64| if fraction == 1.0 { to } else { between(&start, &to, fraction, control, moves) };
     let mut state = from.clone();
     let first = if moves { first_step(&start, &to, control) } else { 1.0 };
+    let mut lost = false;
     let result = continuation::advance(first, |fraction| {
+        if lost {
+            return Err(UNRESOLVED.to_string());
+        }
         let (next, spent) = step(bodies, &state, &way(fraction), control);
         *iterations += spent;
+        lost = next.is_err() && unresolved(bodies, &state.point);
         state = next?;
         Ok(spent)
     });

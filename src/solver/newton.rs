@@ -99,7 +99,7 @@ pub struct Settings {
     pub patience: f64,
     /// After so many updates larger than the unknowns it is quicker to start again from nearer by.
     pub most_large: usize,
-    /// No iteration begins after it.
+    /// No iteration begins after it, and a factorisation that is under way ends.
     pub deadline: Deadline,
 }
 
@@ -114,6 +114,9 @@ pub struct Failure {
 
 /// An update of this relative size changes the tangent too much for it to be kept.
 const LARGE: f64 = 0.3;
+
+/// Why a solution was given up that might have been found.
+const OVER: &str = "maximum_solve_time is over";
 
 /// Broyden's update is left out where it would divide by less than one minus this.
 const LARGEST_SHARE: f64 = 0.8;
@@ -143,12 +146,13 @@ pub fn solve(
     let (mut iterations, mut formed, mut converged, mut lost) = (0, 0, false, 0);
     while !stale || formed < settings.maximum_iterations {
         if settings.deadline.passed() {
-            return Err(fail("maximum_solve_time is over".into(), iterations));
+            return Err(fail(OVER.into(), iterations));
         }
         iterations += 1;
         let fail = |reason| fail(reason, iterations);
         if stale {
-            problem.factorise(unknowns).map_err(fail)?;
+            let tangent = problem.factorise(unknowns);
+            tangent.map_err(|reason| fail(if settings.deadline.passed() { OVER.into() } else { reason }))?;
             formed += 1;
             broyden.steps.clear();
         }

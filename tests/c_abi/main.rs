@@ -3,7 +3,9 @@
 
 mod importer;
 mod long_run;
+mod parallel;
 mod phases;
 mod random;
 mod steps;
 mod values;
+mod walk;

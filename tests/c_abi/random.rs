@@ -12,15 +12,15 @@ use cartilage_contact::variables::VARIABLES;
 
 use crate::importer::*;
 
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % count
     }
 
-    fn share(&mut self) -> f64 {
+    pub fn share(&mut self) -> f64 {
         self.below(1 << 20) as f64 / f64::from(1 << 20)
     }
 
@@ -142,7 +142,7 @@ fn live(seed: u64, calls: usize) {
                 fmu.read_bytes(&altered)
             }
             19 => {
-                let status = fmu.set_choice(&VARIABLES[VARIABLES.len() - 1 - random.below(44)].name.clone(), 2);
+                let status = fmu.set_choice(VARIABLES[VARIABLES.len() - 1 - random.below(44)].name, 2);
                 small(&fmu);
                 status
             }
@@ -185,9 +185,10 @@ fn random_calls_are_answered() {
 }
 
 #[test]
-#[ignore = "ten minutes"]
+#[ignore = "ten minutes, or RANDOM_SECONDS"]
 fn very_many_random_calls_are_answered() {
-    live_for(Duration::from_secs(600));
+    let seconds = std::env::var("RANDOM_SECONDS").map_or(600, |text| text.parse().unwrap());
+    live_for(Duration::from_secs(seconds));
 }
 
 #[test]

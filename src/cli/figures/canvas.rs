@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use cartilage_contact::error::Error;
+use cartilage_contact::files;
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
@@ -172,24 +173,22 @@ fn to_pixels((width, height): (u32, u32), draw: Draw<'_>) -> Result<Vec<u8>, Str
 /// [`Error::File`] naming the file that could not be written.
 pub fn save(stem: &Path, size: (u32, u32), draw: Draw<'_>) -> Result<[PathBuf; 2], Error> {
     let [svg, png] = [stem.with_extension("svg"), stem.with_extension("png")];
-    let failed = |path: &Path| {
-        let path = path.display().to_string();
-        move |message: String| Error::File { path, message: format!("could not write the figure: {message}") }
-    };
-    let text = to_svg(size, draw).map_err(failed(&svg))?;
-    std::fs::write(&svg, text).map_err(|e| failed(&svg)(e.to_string()))?;
-    let pixels = to_pixels(size, draw).map_err(failed(&png))?;
-    write_png(&png, size, &pixels).map_err(failed(&png))?;
+    let text = to_svg(size, draw).map_err(|message| files::unwritten(&svg, message))?;
+    files::replace(&svg, text.as_bytes())?;
+    let bytes = to_pixels(size, draw).and_then(|pixels| png_bytes(size, &pixels));
+    files::replace(&png, &bytes.map_err(|message| files::unwritten(&png, message))?)?;
     Ok([svg, png])
 }
 
-fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Result<(), String> {
-    let file = std::fs::File::create(path).map_err(|e| e.to_string())?;
-    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+fn png_bytes((width, height): (u32, u32), pixels: &[u8]) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
-    writer.write_image_data(pixels).map_err(|e| e.to_string())
+    writer.write_image_data(pixels).map_err(|e| e.to_string())?;
+    writer.finish().map_err(|e| e.to_string())?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

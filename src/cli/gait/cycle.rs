@@ -252,6 +252,9 @@ const CLOSED: f64 = 0.1;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::collection;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     #[test]
     fn the_stylised_hip_has_two_peaks_and_turns_twice() {
@@ -318,5 +321,38 @@ mod tests {
         assert!(message.contains("a.csv:1: columns are separated by `;`"), "{message}");
         let message = Cycle::parse("a.sto", good, 1.0, 8).unwrap_err().to_string();
         assert!(message.contains("endheader"), "{message}");
+    }
+
+    proptest! {
+        // As many as PROPTEST_CASES says.
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(15), ..ProptestConfig::default() })]
+        #[test]
+        fn altered_histories_are_read_or_refused(
+            storage in any::<bool>(),
+            edits in collection::vec((0.0..1.0, any::<u8>(), 0..5_usize), 1..9),
+        ) {
+            const WORDS: [&str; 10] = ["\n", ",", "\"", "#", ";", "1e308", "-0", "endheader\n", "\r", "\u{e9}"];
+            let table = "time, applied_load, sliding_speed\n0, 1.5, 0\n# rest\n0.5, 2, 0.1\n1, 3, -0.1\n1.5, 1.5, 0\n";
+            let text = if storage { format!("walk\nendheader\n{}", table.replace(", ", "\t")) } else { table.into() };
+            let mut bytes = text.into_bytes();
+            for (share, byte, kind) in edits {
+                let place = (share * bytes.len() as f64) as usize;
+                match kind {
+                    0 => bytes[place] = byte,
+                    1 => bytes[place] ^= 1 << (byte % 8),
+                    2 => { bytes.drain(place..bytes.len().min(place + usize::from(byte % 9))); }
+                    _ => { bytes.splice(place..place, WORDS[usize::from(byte) % WORDS.len()].bytes()); }
+                }
+                if bytes.is_empty() { break; }
+            }
+            match Cycle::parse(if storage { "f.sto" } else { "f.csv" }, &String::from_utf8_lossy(&bytes), 0.7, 16) {
+                Ok(Cycle { time, load, speed }) => {
+                    prop_assert!(time.windows(2).all(|pair| pair[1] > pair[0]) && time.len() == 17);
+                    prop_assert!(load.iter().all(|load| *load > 0.0 && *load <= 1e9), "{:?}", load);
+                    prop_assert!(speed.iter().all(|speed| speed.abs() <= 10.0), "{:?}", speed);
+                }
+                Err(error) => prop_assert!(error.to_string().starts_with("f."), "{}", error),
+            }
+        }
     }
 }

@@ -224,7 +224,7 @@ fn to_csv(cycles: &[Vec<State>], steady: &[State]) -> Result<Vec<u8>, csv::Error
     // Contact stiffness would cost as much as the step.
     let results = || {
         variables::scalar_outputs().filter_map(|row| match row.source {
-            Source::Result(get) => Some((row.name.as_str(), get)),
+            Source::Result(get) => Some((row.name, get)),
             _ => None,
         })
     };

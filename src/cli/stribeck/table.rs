@@ -42,7 +42,7 @@ const CASE: &str = "case";
 
 /// The words of the header.
 fn header() -> impl Iterator<Item = &'static str> {
-    columns().map(|variable| variable.name.as_str()).chain([CASE])
+    columns().map(|variable| variable.name).chain([CASE])
 }
 
 /// The hash of what all states of a case have in common, and of the program that solved them.
@@ -134,7 +134,7 @@ impl Table {
         let cases = self.rows.iter().filter_map(|row| row.last().cloned()).collect();
         let columns: Vec<_> = columns()
             .map(|variable| {
-                let name = variable.name.as_str();
+                let name = variable.name;
                 let column = match variable.data_type() {
                     Type::Enumeration(_) | Type::Boolean => {
                         Column::Words(self.words(name).into_iter().map(String::from).collect())

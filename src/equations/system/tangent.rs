@@ -6,6 +6,7 @@ use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
 use crate::fem::element::NODES;
 use crate::parameters::Inputs;
+use crate::solver::deadline::Deadline;
 use crate::solver::linear::{FIXED, Multifrontal, Singular};
 
 /// A change of the inputs.
@@ -89,6 +90,11 @@ impl System {
     /// Factorises on up to this many threads; a single one unless told otherwise. The results are the same bits.
     pub fn set_threads(&mut self, threads: usize) {
         self.linear.set_threads(threads);
+    }
+
+    /// When a factorisation is given up.
+    pub fn set_deadline(&mut self, deadline: Deadline) {
+        self.linear.set_deadline(deadline);
     }
 
     /// Factorises the tangent at these unknowns.

@@ -61,7 +61,7 @@ fn scalar_variable(xml: &mut String, variable: &Variable) {
         variable.name,
         variable.reference,
         role(variable),
-        escape(&variable.description)
+        escape(&variable.full_description())
     );
     *xml += match variable.data_type() {
         Type::Real => "      <Real",

@@ -66,11 +66,6 @@ fn body() -> String {
     xml
 }
 
-/// A profile has the name and the description of its first station, without what they say of the station.
-fn profile_text<'a>(text: &'a str, end: &str) -> &'a str {
-    text.split(end).next().unwrap_or(text)
-}
-
 fn variable(xml: &mut String, reference: u32, variable: &Variable, length: usize) {
     let element = match variable.data_type() {
         Type::Real => "Float64",
@@ -78,10 +73,11 @@ fn variable(xml: &mut String, reference: u32, variable: &Variable, length: usize
         Type::Boolean => "Boolean",
         Type::Enumeration(_) => "Enumeration",
     };
-    let (mut name, mut description) = (variable.name.as_str(), variable.description.clone());
+    let (mut name, mut description) = (variable.name, variable.full_description());
     if length > 1 {
-        name = profile_text(name, "[");
-        description = format!("{} at {length} stations", profile_text(&description, ", station"));
+        // A profile has the name of its first station, without what that says of the station.
+        name = name.split('[').next().unwrap_or(name);
+        description = format!("{} at {length} stations", variable.description);
     }
     let _ = write!(
         xml,
@@ -123,7 +119,7 @@ pub fn terminals() -> String {
     for variable in VARIABLES.iter() {
         let force = variable.is_output() && variable.is_scalar() && variable.unit == Unit::Newton;
         if force || matches!(variable.source, Source::Input(_)) {
-            let name = &variable.name;
+            let name = variable.name;
             let _ = writeln!(
                 xml,
                 "      <TerminalMemberVariable variableName=\"{name}\" memberName=\"{name}\" variableKind=\"signal\"/>"

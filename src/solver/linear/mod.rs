@@ -12,6 +12,7 @@ mod substitution;
 
 pub use cluster::Cluster;
 
+use super::deadline::Deadline;
 use dense::{Dense, Scratch};
 use front::{Front, Symbolic};
 
@@ -35,6 +36,7 @@ pub struct Multifrontal {
     /// The subtrees that hang from the root, then the root.
     parts: Vec<Part>,
     threads: usize,
+    deadline: Deadline,
     simd: pulp::Arch,
 }
 
@@ -82,6 +84,7 @@ impl Multifrontal {
             pivots: vec![0; unknowns],
             parts,
             threads: 1,
+            deadline: Deadline::default(),
             simd: pulp::Arch::new(),
         }
     }
@@ -95,6 +98,11 @@ impl Multifrontal {
     /// same bits.
     pub fn set_threads(&mut self, threads: usize) {
         self.threads = threads;
+    }
+
+    /// No front is eliminated after it: a large factorisation may take longer than all else.
+    pub fn set_deadline(&mut self, deadline: Deadline) {
+        self.deadline = deadline;
     }
 
     /// Number of unknowns.
@@ -113,11 +121,11 @@ impl Multifrontal {
     /// matrix comes zeroed.
     ///
     /// # Errors
-    /// [`Singular`] where a pivot is zero or not finite.
+    /// [`Singular`] where a pivot is zero or not finite, or the time is over.
     pub fn factorise(&mut self, cells: &[Vec<u32>], fill: impl Fn(usize, &mut [f64]) + Sync) -> Result<(), Singular> {
         let Some((root, branches)) = self.parts.split_last_mut() else { return Ok(()) };
         let (fronts, simd, fill) = (&self.fronts, self.simd, &fill);
-        let scale = Scale { cells, rows: &self.row_scale, columns: &self.column_scale };
+        let scale = Scale { cells, rows: &self.row_scale, columns: &self.column_scale, deadline: self.deadline };
         let (mut factors, mut pivots) = (&mut self.factors[..], &mut self.pivots[..]);
         let mut jobs = Vec::with_capacity(branches.len());
         for part in branches.iter_mut() {
@@ -151,12 +159,13 @@ impl Multifrontal {
     }
 }
 
-/// What rows and columns of the cells' matrices are multiplied by.
+/// What rows and columns of the cells' matrices are multiplied by, and when to stop.
 #[derive(Clone, Copy)]
 struct Scale<'a> {
     cells: &'a [Vec<u32>],
     rows: &'a [f64],
     columns: &'a [f64],
+    deadline: Deadline,
 }
 
 impl Part {
@@ -173,6 +182,9 @@ impl Part {
         fill: &(impl Fn(usize, &mut [f64]) + Sync),
     ) -> Result<(), Singular> {
         for front in &fronts[self.fronts.clone()] {
+            if scale.deadline.passed() {
+                return Err(Singular);
+            }
             let (k, b) = (front.eliminated, front.boundary.len());
             let (left, top, own);
             (left, factors) = factors.split_at_mut((k + b) * k);
