@@ -7,6 +7,7 @@ use cartilage_contact::laws::Formulation;
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Inputs, Parameters};
 use cartilage_contact::sweep;
+use cartilage_contact::units::Unit;
 
 use super::case::{CaseArguments, numbers};
 use super::stribeck::progress;
@@ -63,7 +64,7 @@ const QUANTITIES: [Quantity; 6] = [
 /// Runs a study and prints its table.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let case = arguments.case.load()?;
-    let depths = numbers("--depths", &arguments.depths)?;
+    let depths = numbers("--depths", Unit::Metre, &arguments.depths)?;
     let (parameters, inputs) = (&case.parameters, &case.inputs);
     print(&match arguments.study {
         Study::Published => published(parameters, inputs)?,
