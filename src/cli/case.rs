@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(read("0.3:0.1:-0.1,1"), [0.3, 0.2, 0.1, 1.0]);
         assert_eq!(read("-1e-6:1 um:0.001mm, 2 mm"), [-1e-6, 0.0, 1e-6, 2e-3]);
         for wrong in ["", "deep", "1:2", "1:2:0", "1:2:-1", "1:2:1e-9", "1 Pa", "nan", "1:2:3:4"] {
-            let Err(Failure::Usage(message)) = numbers("--depths", wrong) else { panic!("{wrong}") };
+            let Err(Failure::Usage(message)) = numbers("--depths", Unit::Metre, wrong) else { panic!("{wrong}") };
             assert!(message.contains("--depths") && message.contains("from:to:step"), "{message}");
         }
     }
