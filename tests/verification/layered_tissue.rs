@@ -173,10 +173,10 @@ fn slabs_conduct_along_and_across_their_layers() {
             });
             strip.rates.fill(VolumeRate::default());
             let drop = 1e3;
-            for i in 0..=last {
-                for j in 0..=base {
+            for (i, x) in lengths.iter().enumerate() {
+                for (j, depth) in depths.iter().enumerate() {
                     let node = strip.node(i, j);
-                    for (field, value) in [(X, (stretch - 1.0) * lengths[i]), (Y, (1.0 - squeeze) * depths[j])] {
+                    for (field, value) in [(X, (stretch - 1.0) * x), (Y, (1.0 - squeeze) * depth)] {
                         strip.prescribed[field][node] = value;
                         strip.start_from(field, node, value);
                     }
