@@ -2,6 +2,7 @@
 //! the same text. Nothing is fitted: tissues are presets, whose numbers come from other tests.
 
 use std::path::Path;
+use std::time::Instant;
 
 use cartilage_contact::equations::grid;
 use cartilage_contact::error::Error;
@@ -25,18 +26,41 @@ struct Row {
     picture: Picture,
 }
 
+type Compare = fn() -> Result<Row, Error>;
+
 /// Compares all rows, writes their pictures into the folder and returns the Markdown.
 pub fn run(folder: &Path) -> Result<String, Failure> {
     std::fs::create_dir_all(folder).map_err(|error| Error::File {
         path: folder.display().to_string(),
         message: format!("could not make the folder of the pictures: {error}"),
     })?;
-    let rows: [fn() -> Result<Row, Error>; 5] =
-        [undrained, pressed_at_rest, time_constant, peclet, bovine_head_on_glass];
+    let rows: [(&str, Compare); 5] = [
+        ("undrained layer", undrained),
+        ("fluid load support", pressed_at_rest),
+        ("time constant", time_constant),
+        ("Peclet number", peclet),
+        ("bovine head on glass", bovine_head_on_glass),
+    ];
+    let start = Instant::now();
+    let results: Vec<_> = std::thread::scope(|scope| {
+        let timed = |(name, row): (&'static str, Compare)| {
+            let result = row();
+            eprintln!("{name}: after {:.0} s", start.elapsed().as_secs_f64());
+            (name, result)
+        };
+        let threads: Vec<_> = rows.map(|row| scope.spawn(move || timed(row))).into_iter().collect();
+        threads.into_iter().filter_map(|thread| thread.join().ok()).collect()
+    });
     let mut table = "| comparison | published | ours | verdict |\n|---|---|---|---|\n".to_owned();
     let mut sections = String::new();
-    for row in rows {
-        let Row { stem, title, case, published, ours, verdict, picture } = row()?;
+    for (name, result) in results {
+        let Row { stem, title, case, published, ours, verdict, picture } = match result {
+            Ok(row) => row,
+            Err(error) => {
+                table += &format!("| {name} | | not computed | {error} |\n");
+                continue;
+            }
+        };
         experiments::save(&folder.join(stem), &picture)?;
         let short = verdict.split(':').next().unwrap_or_default();
         table += &format!("| {title} | {published} | {ours} | {short} |\n");
@@ -54,13 +78,13 @@ fn pair(body: Body, parameters: Parameters) -> Parameters {
 }
 
 /// The calf's humeral head, in time, with a thousand times the permeability: what counts is time over thickness^2/(k H_A), which is
-/// then 3.5 s in place of an hour.
+/// then ten seconds in place of hours.
 fn quick_tissue() -> Parameters {
     let preset = Preset::BovineHumeralHead.parameters();
-    let mesh = Mesh { columns: 64, rows: 8, ..preset.mesh };
+    let mesh = Mesh { columns: 48, rows: 6, ..preset.mesh };
     pair(
         Body { permeability: 1e3 * preset.upper.permeability, ..preset.upper },
-        Parameters { mesh, time_integration: TimeIntegration::Transient, ..preset },
+        Parameters { mesh, time_integration: TimeIntegration::Transient, relative_tolerance: 3e-3, ..preset },
     )
 }
 
@@ -110,7 +134,7 @@ fn press(parameters: &Parameters, depth: f64, ramp: f64, end: f64, steps: usize)
     simulation.solve_steady(start)?;
     let mut states = Vec::new();
     let rates = Inputs { penetration_depth: (depth + CLEARANCE) / ramp, ..Inputs::NONE };
-    const RAMP: usize = 20;
+    const RAMP: usize = 10;
     for step in 0..RAMP {
         let duration = ramp / RAMP as f64;
         let inputs = start.combined(&rates, |value, rate| value + rate * duration * step as f64);
@@ -226,7 +250,8 @@ fn pressed_at_rest() -> Result<Row, Error> {
         ),
         verdict: verdict(
             rises && most + result.1 > 0.96,
-            "rough surfaces carry the rest: the same pressure that asperities need in equilibrium, less in proportion where the contact is wider",
+            "rough surfaces carry the rest, and they need the same pressure in contacts of any width, which is less in proportion where the \
+             pressure of the fluid is higher; what the share does where the contact is no wider than the layer is thick is not explained",
         ),
         picture: Picture {
             title: "Fluid load support after a fast press, over contact half-width by thickness",
@@ -253,9 +278,9 @@ fn time_constant() -> Result<Row, Error> {
         let body = Body { outer_radius: radius, ..parameters.upper };
         let parameters = pair(body, *parameters);
         let depth = 2.0 * 15e-6;
-        let states = press(&parameters, depth, 3e-3 * unit, 4.0 * (radius / 0.1) * unit, 40)?;
+        let states = press(&parameters, depth, 3e-3 * unit, 4.0 * (radius / 0.1) * unit, 30)?;
         let after: Vec<_> =
-            states.iter().skip(20).map(|(time, o)| (*time, o.fluid_load_support, o.contact_length)).collect();
+            states.iter().skip(10).map(|(time, o)| (*time, o.fluid_load_support, o.contact_length)).collect();
         let most = after.iter().map(|state| state.1).fold(0.0, f64::max);
         // Where the support has fallen to half of its largest value, between two states.
         let crossing = after.windows(2).find(|pair| pair[1].1 < 0.5 * most).map(|pair| {
@@ -272,7 +297,7 @@ fn time_constant() -> Result<Row, Error> {
     }
     let exponent = |[from, to]: [(f64, f64); 2]| (to.1 / from.1).ln() / (to.0 / from.0).ln();
     let measure = |parameters: &Parameters| Ok(exponent([falls(parameters, RADII[0])?, falls(parameters, RADII[3])?]));
-    let finer = Parameters { mesh: Mesh { columns: 96, rows: 12, ..base.mesh }, ..base };
+    let finer = Parameters { mesh: Mesh { columns: 72, rows: 9, ..base.mesh }, ..base };
     let rougher = Parameters { surface_roughness: 2.0 * base.surface_roughness, ..base };
     let value = exponent([points[0], points[3]]);
     let error = [&finer, &rougher].map(measure);
@@ -281,6 +306,7 @@ fn time_constant() -> Result<Row, Error> {
         largest = largest.max((other? - value).abs());
     }
     let first = points[0];
+    let neighbours: Vec<_> = points.windows(2).map(|pair| format::number(exponent([pair[0], pair[1]]), 2)).collect();
     Ok(Row {
         stem: "experiments_time",
         title: "Time constant and contact area",
@@ -290,9 +316,11 @@ fn time_constant() -> Result<Row, Error> {
         published: "Carter, Basalo and Ateshian (2007): the time constant of friction of cartilage discs 4, 6 and 8 mm wide on glass is in \
                     proportion to their area, R^2 0.892 and 0.979: exponent 2 of the width",
         ours: format!("exponent {} of the half-width between {} and {} mm", with_bar((value, largest)), format::number(first.0, 2), format::number(points[3].0, 2)),
-        verdict: verdict(
-            (value - 2.0).abs() < largest.max(0.4),
-            "fluid leaves along the layer to the edge of the contact, over a length that grows with a, and time with its square",
+        verdict: format!(
+            "{}: between neighbouring widths the power is {}. A bonded layer under a parabola at a held depth is another test than a free \
+             disc under a constant load.",
+            if (value - 2.0).abs() < largest.max(0.2) { "agreement" } else { "miss" },
+            neighbours.join(", ")
         ),
         picture: Picture {
             title: "Time until half of the fluid's share is gone",
@@ -312,7 +340,7 @@ fn time_constant() -> Result<Row, Error> {
 /// Moore and Burris (2014).
 fn peclet() -> Result<Row, Error> {
     let preset = Preset::BovineHumeralHead.parameters();
-    let mesh = Mesh { columns: 64, rows: 8, ..preset.mesh };
+    let mesh = Mesh { columns: 48, rows: 6, ..preset.mesh };
     let body = Body { permeability: 1e3 * preset.upper.permeability, ..preset.upper };
     let base = pair(body, Parameters { mesh, ..preset });
     const SPEEDS: [f64; 9] = [4e-6, 1.2e-5, 4e-5, 1.2e-4, 4e-4, 1.2e-3, 4e-3, 1.2e-2, 4e-2];
@@ -352,7 +380,7 @@ fn peclet() -> Result<Row, Error> {
              0.04 m/s; Pe = v a/(k H_A) with the surface speed v and a = {} mm.",
             format::number(1e3 * a, 3)
         ),
-        published: "Moore and Burris (2014): interstitial lubrication takes a large Peclet number (abstract); their model, as quoted, has a share \
+        published: "Moore and Burris (2014, PMC3889488): interstitial lubrication takes a large Peclet number (abstract); their model, as quoted, has a share \
                     Pe/(Pe + 1) of its limit, in proportion to Pe where that is small",
         ours: format!(
             "rises with Pe to the power {}, and the pressures above zero alone with the power {}; {} at the highest speed",
@@ -362,9 +390,8 @@ fn peclet() -> Result<Row, Error> {
         ),
         verdict: format!(
             "miss: at small Pe the pressure is odd in x, above zero where tissue is squeezed on its way in and as much below where it swells on its \
-             way out, so that the load is of second order, between which and the asymmetry of the rough contact the power lies. Theirs counts the \
-             half that pushes, which goes as Pe{} here as well.",
-            if (pushing.0 - 1.0).abs() < 0.1 { "" } else { " does not" }
+             way out, so that what it carries is of second order. Theirs counts the half that pushes, which {} in proportion to Pe here as well.",
+            if (pushing.0 - 1.0).abs() < 0.2 { "is" } else { "is not" }
         ),
         picture: Picture {
             title: "Fluid load support of rolling layers over the Peclet number",
@@ -457,8 +484,8 @@ fn bovine_head_on_glass() -> Result<Row, Error> {
         ours: texts.join(", "),
         verdict: verdict(
             agrees,
-            "a line contact of one radius stands for a head in three dimensions, whose radius and thickness the abstract does not give; fibres in all \
-             directions make fast loading stiffer by what resists the sideways spreading",
+            "isotropic tissue is too soft in fast loading, as is known. A line contact of one radius stands for a head in three dimensions, whose radius and thickness the abstract does \
+             not give",
         ),
         picture: Picture {
             title: "Compression of the layer over the mean contact pressure",
