@@ -7,7 +7,6 @@ use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue, Vol
 use crate::fem::element::{
     NODES, POINTS, SIMPSON, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
 };
-use crate::laws::darcy::conductance;
 use crate::laws::film::reynolds_flux;
 use crate::laws::kinematics::Strain;
 use crate::parameters::{Inputs, Parameters};
@@ -168,10 +167,11 @@ impl Solution<'_> {
             let (volume, area) = volumes.zip(weights).fold((0.0, 0.0), |(v, a), (j, w)| (v + j * w, a + w));
             fields.volume_ratio.push(volume / area);
         }
-        let tissue = &layer.tissue;
-        for ((strain, slope), uses) in strains.into_iter().zip(slopes).zip(uses) {
+        for (node, ((strain, slope), uses)) in strains.into_iter().zip(slopes).zip(uses).enumerate() {
+            let tissue = layer.tissue.at_depth(mesh.depths[node % mesh.levels()]);
             let strain = Strain::new(strain / uses);
-            let reference = -(conductance(tissue.mobility_at(&strain).0, &strain, tissue.consistent) * (slope / uses));
+            let mobility = tissue.mobility_at(&strain, &mesh.along(node)).0;
+            let reference = -(mobility.conductance(&strain, tissue.consistent) * (slope / uses));
             let flux = match tissue.consistent {
                 // Piola's transformation: what crosses a deformed area is F Q / J.
                 true => (Matrix2::identity() + strain.gradient) * reference / strain.volume_ratio(),

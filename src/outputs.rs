@@ -325,7 +325,8 @@ impl Solved<'_> {
             for element in 0..layer.mesh.elements() {
                 let at = system.local(body, element, unknowns, depth);
                 for point in 0..POINTS {
-                    let stress = layer.tissue.solid.von_mises(&Tissue::strain(&layer.mesh, element, point, &at));
+                    let tissue = layer.tissue.at_depth(layer.mesh.point_depth(element, point));
+                    let stress = tissue.solid.von_mises(&Tissue::strain(&layer.mesh, element, point, &at));
                     if stress > largest.0 {
                         largest = (stress, body, element, point);
                     }
@@ -337,7 +338,8 @@ impl Solved<'_> {
         let strain = Tissue::strain(mesh, element, point, &system.local(body, element, unknowns, depth));
         let local = system.local_change(body, element, &change.unknowns, change.inputs.penetration_depth);
         let direction = Tissue::strain(mesh, element, point, &local).gradient;
-        Dual64::new(stress, system.layers[body].tissue.solid.von_mises_derivative(&strain, &direction))
+        let tissue = system.layers[body].tissue.at_depth(mesh.point_depth(element, point));
+        Dual64::new(stress, tissue.solid.von_mises_derivative(&strain, &direction))
     }
 }
 

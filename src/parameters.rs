@@ -7,6 +7,8 @@ mod presets;
 mod table;
 
 use crate::error::Error;
+use crate::laws::depth::DepthProfile;
+pub use crate::laws::depth::Factors;
 pub use crate::laws::roughness::AsperityLaw;
 pub use crate::laws::{Formulation, PermeabilityLaw, SolidLaw};
 pub use presets::{PRESETS, Preset, PresetRow, Tissue};
@@ -43,6 +45,36 @@ pub struct Body {
     pub fibre_exponent: f64,
     /// Coefficient of the exponential in it [1]; 0: a power law.
     pub fibre_exponential_coefficient: f64,
+    /// Permeability along the articular surface over that through the depth [1].
+    pub tangential_permeability_ratio: f64,
+    /// Depth where the middle zone begins, whose properties are those above, as a share of the thickness [1].
+    pub middle_zone_start: f64,
+    /// Depth where it ends, likewise [1].
+    pub middle_zone_end: f64,
+    /// Properties at the surface over those of the middle zone; linear in between.
+    pub surface: Factors,
+    /// Properties at the bone over those of the middle zone; linear in between.
+    pub deep: Factors,
+}
+
+impl Body {
+    /// How properties change with depth; `None` where they do not.
+    pub fn depth_profile(&self) -> Option<DepthProfile> {
+        let middle_zone = [self.middle_zone_start, self.middle_zone_end];
+        let changes = [self.surface, self.deep].iter().any(|factors| *factors != Factors::NONE);
+        changes.then_some(DepthProfile { surface: self.surface, deep: self.deep, middle_zone })
+    }
+
+    /// Drained modulus of confined compression at the surface, K + 4G/3 [Pa].
+    pub fn surface_aggregate_modulus(&self) -> f64 {
+        let factors = self.depth_profile().map_or(Factors::NONE, |profile| profile.at(0.0));
+        self.bulk_modulus * factors.bulk_modulus + 4.0 / 3.0 * self.shear_modulus * factors.shear_modulus
+    }
+
+    /// Drained shear modulus, mean over the thickness [Pa].
+    pub fn mean_shear_modulus(&self) -> f64 {
+        self.shear_modulus * self.depth_profile().map_or(1.0, |profile| profile.mean(|factors| factors.shear_modulus))
+    }
 }
 
 /// Structured mesh of a body: columns along the surface, rows through the thickness.
@@ -196,6 +228,11 @@ impl Default for Parameters {
             fibre_modulus: 0.0,
             fibre_exponent: 2.0,
             fibre_exponential_coefficient: 0.0,
+            tangential_permeability_ratio: 1.0,
+            middle_zone_start: 0.2,
+            middle_zone_end: 0.7,
+            surface: Factors::NONE,
+            deep: Factors::NONE,
         };
         Self {
             upper: body,
@@ -378,6 +415,32 @@ impl Parameters {
                     body.fibre_modulus,
                     "0 in the paper's formulation, whose equations have no fibres; or formulation = \"consistent\"",
                 ));
+            }
+            if body.middle_zone_end < body.middle_zone_start {
+                return Err(Error::value(
+                    &format!("{name}.middle_zone_end"),
+                    body.middle_zone_end,
+                    format!("{name}.middle_zone_start, {}, or more", body.middle_zone_start),
+                ));
+            }
+            for (zone, factors) in [("surface", &body.surface), ("deep", &body.deep)] {
+                let most = 0.9 / body.solid_volume_fraction;
+                if factors.solid_volume_fraction > most {
+                    return Err(Error::value(
+                        &format!("{name}.{zone}_solid_fraction_ratio"),
+                        factors.solid_volume_fraction,
+                        format!("{most} or less, so that not more than 0.9 of the volume there is solid"),
+                    ));
+                }
+                if body.solid_law == SolidLaw::HolmesMow
+                    && body.bulk_modulus * factors.bulk_modulus < 2.0 / 3.0 * body.shear_modulus * factors.shear_modulus
+                {
+                    return Err(Error::value(
+                        &format!("{name}.{zone}_bulk_modulus_ratio"),
+                        factors.bulk_modulus,
+                        "such that the bulk modulus there is 2/3 of the shear modulus or more, with solid_law holmes_mow",
+                    ));
+                }
             }
             if body.thickness >= 0.5 * body.outer_radius {
                 return Err(Error::value(

@@ -158,7 +158,11 @@ fn the_table_shows_every_scalar_with_a_unit_that_people_use() {
 #[test]
 fn wrong_usage_is_explained_with_exit_code_2() {
     for (arguments, expected) in [
-        ("solve --penetration-depth deep", "invalid value 'deep'"),
+        (
+            "solve --penetration-depth deep",
+            "penetration_depth = \"deep\" is not allowed: a number from -1e-2 to 1e-2 m",
+        ),
+        ("solve --penetration-depth 1um --set both.young_modulus=1MPa", "without upper.poisson_ratio"),
         ("solve --penetration-depth 1", "penetration_depth = 1 is not allowed: a number from -1e-2 to 1e-2 m"),
         ("solve --sliding-speed nan", "sliding_speed = NaN is not allowed: a number from -1e1 to 1e1 m/s"),
         ("solve --set viscosity", "--set viscosity: write it as NAME=VALUE"),

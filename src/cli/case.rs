@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use cartilage_contact::io::case::Case;
 use cartilage_contact::parameters::{PRESETS, Value};
+use cartilage_contact::units::Unit;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::Failure;
@@ -19,7 +20,8 @@ pub struct CaseArguments {
     #[arg(long, value_name = "FILE.toml")]
     case: Option<PathBuf>,
 
-    /// Set any input or parameter by its name; `both.` sets both bodies; may be repeated
+    /// Set any input or parameter by its name; `both.` sets both bodies; SI numbers, or with a unit as in
+    /// `--set both.thickness="2 mm"`; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 }
@@ -36,13 +38,15 @@ impl CaseArguments {
             // In place of the file's own preset; what the file sets by name stays.
             case.set("preset", &Value::Text(name.clone()))?;
         }
+        let mut assignments = Vec::new();
         for assignment in &self.set {
             let Some((name, value)) = assignment.split_once('=') else {
                 let message = format!("--set {assignment}: write it as NAME=VALUE, such as --set viscosity=2e-3");
                 return Err(Failure::Usage(message));
             };
-            case.set(name.trim(), &value_of(value.trim()))?;
+            assignments.push((name.trim(), value_of(value.trim())));
         }
+        case.set_all(&assignments).map_err(|(_, error)| error)?;
         Ok(case)
     }
 }
@@ -52,7 +56,7 @@ fn preset_names() -> PossibleValuesParser {
 }
 
 /// What a word on the command line means.
-fn value_of(text: &str) -> Value {
+pub fn value_of(text: &str) -> Value {
     if let Ok(value) = text.parse() {
         Value::Boolean(value)
     } else if let Ok(value) = text.parse() {
@@ -64,8 +68,8 @@ fn value_of(text: &str) -> Value {
     }
 }
 
-/// Numbers as a list: each item of `text` between commas is a number or a range `from:to:step`, ends included.
-pub fn numbers(flag: &str, text: &str) -> Result<Vec<f64>, Failure> {
+/// Numbers as a list: each item of `text` between commas is a number or a range `from:to:step`, ends included; SI, or with units.
+pub fn numbers(flag: &str, unit: Unit, text: &str) -> Result<Vec<f64>, Failure> {
     const MOST: f64 = 1e5;
     let mut all = Vec::new();
     for item in text.split(',') {
@@ -74,7 +78,8 @@ pub fn numbers(flag: &str, text: &str) -> Result<Vec<f64>, Failure> {
                 "{flag}: `{item}` {why}; give SI numbers as a list 0,12e-6,50e-6 or as from:to:step, such as -10e-6:100e-6:1e-6"
             )))
         };
-        let parsed: Result<Vec<f64>, _> = item.split(':').map(|number| number.trim().parse::<f64>()).collect();
+        let read = |number: &str| number.trim().parse::<f64>().or_else(|_| unit.read(number));
+        let parsed: Result<Vec<f64>, _> = item.split(':').map(read).collect();
         match parsed.as_deref() {
             Ok([value]) if value.is_finite() => all.push(*value),
             Ok([from, to, step]) => {
@@ -106,13 +111,14 @@ mod tests {
 
     #[test]
     fn lists_and_ranges_become_numbers() {
-        let read = |text| numbers("--depths", text).ok().unwrap();
+        let read = |text| numbers("--depths", Unit::Metre, text).ok().unwrap();
         assert_eq!(read("-1e-5, 0,2"), [-1e-5, 0.0, 2.0]);
         assert_eq!(read("-3e-6:3e-6:1e-6"), [-3e-6, -2e-6, -1e-6, 0.0, 1e-6, 2e-6, 3e-6]);
         assert_eq!(read("-10e-6:100e-6:1e-6").len(), 111);
         assert_eq!(read("0.3:0.1:-0.1,1"), [0.3, 0.2, 0.1, 1.0]);
-        for wrong in ["", "deep", "1:2", "1:2:0", "1:2:-1", "1:2:1e-9", "nan", "1:2:3:4"] {
-            let Err(Failure::Usage(message)) = numbers("--depths", wrong) else { panic!("{wrong}") };
+        assert_eq!(read("-1e-6:1 um:0.001mm, 2 mm"), [-1e-6, 0.0, 1e-6, 2e-3]);
+        for wrong in ["", "deep", "1:2", "1:2:0", "1:2:-1", "1:2:1e-9", "1 Pa", "nan", "1:2:3:4"] {
+            let Err(Failure::Usage(message)) = numbers("--depths", Unit::Metre, wrong) else { panic!("{wrong}") };
             assert!(message.contains("--depths") && message.contains("from:to:step"), "{message}");
         }
     }

@@ -1,6 +1,7 @@
 //! What a person types: one file a subcommand.
 
 mod case;
+mod experiments;
 mod figures;
 mod format;
 mod gait;

@@ -9,6 +9,7 @@ use cartilage_contact::files::{self, OutputFolder, unwritten};
 use cartilage_contact::io::case::Case;
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Inputs, Value};
+use cartilage_contact::units::Unit;
 use cartilage_contact::{sweep, variables};
 
 use super::case::{CaseArguments, numbers};
@@ -85,7 +86,7 @@ pub struct Response {
 /// Solves every change, writes table and plot, prints the table.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let case = arguments.case.load()?;
-    let mut depths = numbers("--depths", &arguments.depths)?;
+    let mut depths = numbers("--depths", Unit::Metre, &arguments.depths)?;
     depths.sort_by(f64::total_cmp);
     let change = arguments.change;
     if !(1e-6..=0.9).contains(&change) {

@@ -3,11 +3,12 @@
 use std::fmt::Write;
 
 use cartilage_contact::io::case::Case;
+use cartilage_contact::io::measured::MEASURED;
 use cartilage_contact::parameters::{Control, Value};
 use cartilage_contact::simulation::Simulation;
 use cartilage_contact::variables::{self, VARIABLES, Variable, View};
 
-use super::case::CaseArguments;
+use super::case::{CaseArguments, value_of};
 use super::{Failure, format, print};
 
 const EXAMPLES: &str = "\
@@ -18,7 +19,8 @@ Examples:
   cartilage-contact solve --penetration-depth 12e-6 --sliding-speed 0.2
   cartilage-contact solve --case examples/paper.toml --penetration-depth=-5e-6
   cartilage-contact solve --preset human_femoral_condyle --penetration-depth 20e-6
-  cartilage-contact solve --set both.permeability=1e-16 --set formulation=consistent --json";
+  cartilage-contact solve --set both.permeability=1e-16 --set formulation=consistent --json
+  cartilage-contact solve --set both.aggregate_modulus=\"0.7 MPa\" --set both.poisson_ratio=0.1 --set formulation=consistent";
 
 /// Solve one steady state and print its loads, friction, film and regime.
 #[derive(clap::Args)]
@@ -27,21 +29,21 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Approach of the bones past first touch of the undeformed surfaces [m]; negative is clearance
+    /// Approach of the bones past first touch of the undeformed surfaces [m], or with a unit, "12 um"; negative is clearance
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
-    penetration_depth: Option<f64>,
+    penetration_depth: Option<String>,
 
     /// Sum of the two surface speeds, both positive along +x [m/s]
     #[arg(long, value_name = "METRES_PER_SECOND", allow_hyphen_values = true)]
-    sliding_speed: Option<f64>,
+    sliding_speed: Option<String>,
 
     /// (Upper - lower surface speed) / sliding speed [1]
     #[arg(long, value_name = "RATIO", allow_hyphen_values = true)]
-    slide_to_roll_ratio: Option<f64>,
+    slide_to_roll_ratio: Option<String>,
 
     /// Load per unit depth [N/m]: finds the depth that carries it
     #[arg(long, value_name = "NEWTONS_PER_METRE", conflicts_with = "penetration_depth")]
-    applied_load: Option<f64>,
+    applied_load: Option<String>,
 
     /// Print one JSON object: SI values under the names of the FMU's variables, profiles as arrays
     #[arg(long)]
@@ -63,13 +65,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn case(arguments: &Arguments) -> Result<Case, Failure> {
     let mut case = arguments.case.load()?;
     for (name, value) in [
-        ("penetration_depth", arguments.penetration_depth),
-        ("sliding_speed", arguments.sliding_speed),
-        ("slide_to_roll_ratio", arguments.slide_to_roll_ratio),
-        ("applied_load", arguments.applied_load),
+        ("penetration_depth", &arguments.penetration_depth),
+        ("sliding_speed", &arguments.sliding_speed),
+        ("slide_to_roll_ratio", &arguments.slide_to_roll_ratio),
+        ("applied_load", &arguments.applied_load),
     ] {
         if let Some(value) = value {
-            case.set(name, &Value::Real(value))?;
+            case.set(name, &value_of(value))?;
         }
     }
     if arguments.applied_load.is_some() {
@@ -134,6 +136,10 @@ fn variables_help() -> String {
         };
         let _ = writeln!(text, "  {} = {default}: {}", variable.name, variable.allowed());
         let _ = writeln!(text, "      {}", variable.description);
+    }
+    let _ = writeln!(text, "\nIn place of parameters, for upper., lower. or both.:");
+    for row in &MEASURED {
+        let _ = writeln!(text, "  {}: {}\n      {}", row.name, row.allowed(), row.description);
     }
     let _ = write!(text, "\nResults:");
     for variable in variables::scalar_outputs() {

@@ -1,20 +1,23 @@
 //! `cartilage-contact validate`: the studies whose results stand in docs/validation.md, as Markdown tables.
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use cartilage_contact::laws::Formulation;
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Inputs, Parameters};
 use cartilage_contact::sweep;
+use cartilage_contact::units::Unit;
 
 use super::case::{CaseArguments, numbers};
 use super::stribeck::progress;
-use super::{Failure, format, print};
+use super::{Failure, experiments, format, print};
 
 const EXAMPLES: &str = "\
 Examples:
   cartilage-contact validate published
+  cartilage-contact validate experiments
   cartilage-contact validate convergence --meshes 3
   cartilage-contact validate variants --depths 0,13e-6,50e-6";
 
@@ -36,6 +39,10 @@ pub struct Arguments {
     /// Meshes of the convergence study: a quarter of the case's, half of it, the case's, twice that and so on
     #[arg(long, value_name = "COUNT", default_value_t = 4, value_parser = clap::value_parser!(u32).range(3..=6))]
     meshes: u32,
+
+    /// Folder for the pictures of the experiments
+    #[arg(long, value_name = "FOLDER", default_value = "target/experiments")]
+    output: PathBuf,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -44,6 +51,8 @@ enum Study {
     Published,
     /// The same state on ever finer meshes, with observed orders
     Convergence,
+    /// What others measured or computed, with a picture each; the case is the study's own
+    Experiments,
     /// Order of the pressure, formulation, friction on the tissue, the paper's mesh
     Variants,
 }
@@ -63,11 +72,12 @@ const QUANTITIES: [Quantity; 6] = [
 /// Runs a study and prints its table.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let case = arguments.case.load()?;
-    let depths = numbers("--depths", &arguments.depths)?;
+    let depths = numbers("--depths", Unit::Metre, &arguments.depths)?;
     let (parameters, inputs) = (&case.parameters, &case.inputs);
     print(&match arguments.study {
         Study::Published => published(parameters, inputs)?,
         Study::Convergence => convergence(parameters, inputs, &depths, arguments.meshes)?,
+        Study::Experiments => experiments::run(&arguments.output)?,
         Study::Variants => variants(parameters, inputs, &depths)?,
     })
 }

@@ -36,7 +36,7 @@ fn indentation(parameters: &Parameters, a: f64) -> f64 {
 /// Half-width at which a load [N/m] is carried: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
 /// strain up to a/t = 6.
 fn half_width_under(parameters: &Parameters, load: f64) -> f64 {
-    let modulus = 2.0 / (1.0 / parameters.upper.shear_modulus + 1.0 / parameters.lower.shear_modulus);
+    let modulus = 2.0 / (1.0 / parameters.upper.mean_shear_modulus() + 1.0 / parameters.lower.mean_shear_modulus());
     let carried = |a: f64| {
         let ratio = a / thickness(parameters);
         0.5 * curvature(parameters) * modulus * a * a * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
@@ -135,8 +135,8 @@ fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
 /// Thickness of the layer below the surface within which fluid flows while the tissue passes the contact, sqrt(k M l/v), over that of
 /// the whole layer; l = three thicknesses, v = 0.1 m/s.
 fn surface_layer(parameters: &Parameters, body: &Body) -> f64 {
-    let modulus = body.bulk_modulus + 4.0 / 3.0 * body.shear_modulus;
-    let consolidation = body.permeability / parameters.viscosity * modulus;
+    let permeability = body.permeability * body.surface.permeability;
+    let consolidation = permeability / parameters.viscosity * body.surface_aggregate_modulus();
     (consolidation * 3.0 / (0.1 * body.thickness)).sqrt()
 }
 

@@ -17,6 +17,8 @@
 //!
 //! `Tissue::integrand` is what stands under the integrals, `Tissue::integrand_derivatives` its derivatives.
 
+use std::borrow::Cow;
+
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 use pulp::{Simd, WithSimd};
 
@@ -24,7 +26,8 @@ use crate::fem::assembly::{ElementFields, Integrand, IntegrandDerivatives, Resid
 pub use crate::fem::assembly::{LOCAL, Local};
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
-use crate::laws::darcy::{HolmesMow, conductance, conductance_derivative};
+use crate::laws::darcy::{HolmesMow, Mobility};
+use crate::laws::depth::DepthProfile;
 use crate::laws::kinematics::{COFACTOR_DERIVATIVE, Strain, flatten};
 use crate::laws::solid::Solid;
 
@@ -35,14 +38,18 @@ pub struct Tissue {
     pub solid: Solid,
     /// Biot-Willis coefficient alpha [1].
     pub biot_coefficient: f64,
-    /// Hydraulic permeability kappa/eta of the undeformed tissue [m^4/(N s)].
+    /// Hydraulic permeability kappa/eta of the undeformed tissue through its depth [m^4/(N s)].
     pub mobility: f64,
+    /// That along the articular surface over that through the depth [1].
+    pub tangential_ratio: f64,
     /// How it answers to strain; `None` where it does not.
     pub strain_dependence: Option<HolmesMow>,
     /// Compressibility chi of the fluid [1/Pa].
     pub fluid_compressibility: f64,
     /// Whether stress and Darcy's law are those of the consistent formulation.
     pub consistent: bool,
+    /// How all this changes with depth; `None` where it does not.
+    pub profile: Option<DepthProfile>,
 }
 
 /// How fast an element's volume changes: dJ/dt = rate * J + history, by the time integration; steady is rate = history = 0.
@@ -89,11 +96,30 @@ struct State {
 }
 
 impl Tissue {
-    /// Hydraulic permeability of the strained tissue [m^4/(N s)], and its derivative by the volume ratio.
-    pub fn mobility_at(&self, strain: &Strain) -> (f64, f64) {
-        let Some(law) = &self.strain_dependence else { return (self.mobility, 0.0) };
-        let (relative, slope) = law.relative_permeability(strain.volume_change);
-        (self.mobility * relative, self.mobility * slope)
+    /// The material at a depth, given as a share of the thickness.
+    #[inline(always)]
+    pub fn at_depth(&self, depth: f64) -> Cow<'_, Self> {
+        let Some(profile) = &self.profile else { return Cow::Borrowed(self) };
+        let factors = profile.at(depth);
+        Cow::Owned(Self {
+            solid: self.solid.scaled(&factors),
+            mobility: self.mobility * factors.permeability,
+            strain_dependence: self.strain_dependence.map(|law| HolmesMow {
+                solid_volume_fraction: law.solid_volume_fraction * factors.solid_volume_fraction,
+                ..law
+            }),
+            ..*self
+        })
+    }
+
+    /// Hydraulic permeability of the strained tissue, and its derivative by the volume ratio, relative to it. `along` is a direction
+    /// of the layer, of any length.
+    pub fn mobility_at(&self, strain: &Strain, along: &Vector2<f64>) -> (Mobility, f64) {
+        let law = self.strain_dependence.as_ref();
+        let (relative, slope) = law.map_or((1.0, 0.0), |law| law.relative_permeability(strain.volume_change));
+        let tangent = if self.tangential_ratio == 1.0 { Vector2::x() } else { along.normalize() };
+        let across = self.mobility * relative;
+        (Mobility { across, tangential_ratio: self.tangential_ratio, tangent }, slope / relative)
     }
 
     /// r = rho/rho0 = exp(chi p)
@@ -103,7 +129,8 @@ impl Tissue {
 
     /// K grad p: what seeps through the pores, against its direction [m/s].
     fn seepage(&self, state: &State) -> Vector2<f64> {
-        conductance(self.mobility_at(&state.strain).0, &state.strain, self.consistent) * state.pressure_gradient
+        let (mobility, _) = self.mobility_at(&state.strain, &state.rotation);
+        mobility.conductance(&state.strain, self.consistent) * state.pressure_gradient
     }
 
     /// -alpha (J - 1) v_rot: what the rotation carries, per surface speed [1].
@@ -142,8 +169,8 @@ impl Tissue {
     fn integrand_derivatives(&self, state: &State) -> IntegrandDerivatives {
         let State { strain, pressure, pressure_gradient, rotation, speed, upstream_weights: [weight, _], .. } = state;
         let (alpha, chi, density) = (self.biot_coefficient, self.fluid_compressibility, self.density(state));
-        let (mobility, mobility_by_volume) = self.mobility_at(strain);
-        let conductance = conductance(mobility, strain, self.consistent);
+        let (mobility, mobility_by_volume) = self.mobility_at(strain, rotation);
+        let conductance = mobility.conductance(strain, self.consistent);
         let seepage = conductance * pressure_gradient;
         let cofactor = flatten(&strain.cofactor);
 
@@ -151,13 +178,13 @@ impl Tissue {
         let mut stress_by_pressure = Vector4::zeros();
         let mut flow_by_volume = rotation * (-alpha * weight * speed);
         if self.strain_dependence.is_some() {
-            flow_by_volume += seepage * (mobility_by_volume / mobility);
+            flow_by_volume += seepage * mobility_by_volume;
         }
         let mut flow_by_strain = flow_by_volume * cofactor.transpose();
         if self.consistent {
             stress_by_strain -= Matrix4::from_fn(|row, column| alpha * pressure * COFACTOR_DERIVATIVE[row][column]);
             stress_by_pressure = cofactor * -alpha;
-            flow_by_strain += conductance_derivative(mobility, strain, pressure_gradient);
+            flow_by_strain += mobility.conductance_derivative(strain, pressure_gradient);
         }
         IntegrandDerivatives {
             stress_by_strain,
@@ -250,6 +277,15 @@ struct Element<'a> {
 }
 
 impl Element<'_> {
+    /// The material at a quadrature point.
+    #[inline(always)]
+    fn tissue_at(&self, q: usize) -> Cow<'_, Tissue> {
+        match self.tissue.profile {
+            None => Cow::Borrowed(self.tissue),
+            Some(_) => self.tissue.at_depth(self.mesh.point_depth(self.element, q)),
+        }
+    }
+
     #[inline(always)]
     fn state(&self, fields: &ElementFields<'_>, q: usize) -> Result<State, Inverted> {
         let point = fields.at(q);
@@ -274,7 +310,7 @@ impl Element<'_> {
         let fields = ElementFields::new(self.mesh, self.element, self.at);
         let mut factors = TangentFactors::NONE;
         for q in 0..POINTS {
-            let derivatives = self.tissue.integrand_derivatives(&self.state(&fields, q)?);
+            let derivatives = self.tissue_at(q).integrand_derivatives(&self.state(&fields, q)?);
             factors.set(self.mesh, self.element, q, &derivatives);
         }
         factors.add_to(tangent);
@@ -293,11 +329,11 @@ impl<const BY_SPEED: bool> WithSimd for AddIntegral<'_, '_, BY_SPEED> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let Element { tissue, mesh, element, at, .. } = *self.element;
+        let Element { mesh, element, at, .. } = *self.element;
         let fields = ElementFields::new(mesh, element, at);
         let mut sum = ResidualSum::new(mesh, element);
         for q in 0..POINTS {
-            let state = self.element.state(&fields, q)?;
+            let (tissue, state) = (self.element.tissue_at(q), self.element.state(&fields, q)?);
             let integrand = if BY_SPEED { tissue.integrand_by_speed(&state) } else { tissue.integrand(&state) };
             sum.add(q, &integrand);
         }
@@ -346,6 +382,7 @@ fn dot(f: &[f64; NODES], values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::fem::mesh::{graded, quadratic_stations};
+    use crate::laws::depth::Factors;
     use crate::laws::solid::{self, Fibres, NeoHookean};
     use proptest::prelude::*;
 
@@ -380,6 +417,7 @@ mod tests {
             seed in prop::collection::vec(-1.0..1.0f64, 31),
             direction in prop::collection::vec(-1.0..1.0f64, 29),
             consistent: bool, order in 1..3_i32, upper: bool, strained: bool, stiffening: bool, fibres: bool,
+            tangential_ratio in prop::option::of(0.3..3.0f64), layered: bool,
         ) {
             let side = if upper { 1.0 } else { -1.0 };
             let mesh = mesh(order, side);
@@ -393,6 +431,12 @@ mod tests {
                     }
                 },
                 biot_coefficient: 0.9, mobility: 1e-12, fluid_compressibility: 1e-7, consistent,
+                tangential_ratio: tangential_ratio.unwrap_or(1.0),
+                profile: layered.then_some(DepthProfile {
+                    surface: Factors { shear_modulus: 0.5, bulk_modulus: 0.7, fibre_modulus: 2.0, permeability: 3.0, solid_volume_fraction: 0.8 },
+                    deep: Factors { permeability: 0.3, ..Factors::NONE },
+                    middle_zone: [0.3, 0.6],
+                }),
                 strain_dependence: strained.then_some(HolmesMow {
                     solid_volume_fraction: 0.3, exponent: 2.0, strain_coefficient: 3.0,
                 }),
@@ -432,9 +476,11 @@ mod tests {
             solid: NeoHookean { shear_modulus: 1.0, bulk_modulus: 1.0 }.into(),
             biot_coefficient: 1.0,
             mobility: 1.0,
+            tangential_ratio: 1.0,
             strain_dependence: None,
             fluid_compressibility: 0.0,
             consistent: false,
+            profile: None,
         };
         let mut at = [0.0; LOCAL];
         for (a, n) in mesh.element_nodes(0).into_iter().enumerate() {

@@ -2,6 +2,8 @@
 
 use std::array::from_fn;
 
+use nalgebra::Vector2;
+
 use super::element::{
     GAUSS, GAUSS_WEIGHTS, NODES, POINTS, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
 };
@@ -61,6 +63,8 @@ pub struct LayerMesh {
     pub nodes: Vec<[f64; 2]>,
     /// Order of the pressure's shape functions.
     pub pressure_order: i32,
+    /// Depth of the levels below the surface, as a share of the thickness.
+    pub depths: Vec<f64>,
     points: Vec<Point>,
     pressure_gradients: Vec<[[f64; NODES]; 2]>,
     /// Of the elements of the first and of the last column.
@@ -94,7 +98,10 @@ impl LayerMesh {
         let pressure_by_t =
             at_points(&|s, t| tensor(pressure(pressure_order, s), pressure_derivative(pressure_order, t)));
 
+        let [x, y] = nodes[0];
+        let below: Vec<f64> = nodes[..levels].iter().map(|at| (at[0] - x).hypot(at[1] - y)).collect();
         let mut mesh = Self {
+            depths: below.iter().map(|depth| depth / below[levels - 1]).collect(),
             columns,
             rows,
             nodes,
@@ -191,6 +198,19 @@ impl LayerMesh {
         from_fn(|a| (2 * column + a % 3) * self.levels() + 2 * row + a / 3)
     }
 
+    /// The direction along the layer at a node, of any length: across the line of its station through the depth.
+    pub fn along(&self, node: usize) -> Vector2<f64> {
+        let surface = node - node % self.levels();
+        let ([x, y], [below_x, below_y]) = (self.nodes[surface], self.nodes[surface + self.levels() - 1]);
+        Vector2::new(y - below_y, below_x - x)
+    }
+
+    /// Depth of a quadrature point below the surface, as a share of the thickness.
+    pub fn point_depth(&self, element: usize, point: usize) -> f64 {
+        let first = 2 * (element % self.rows);
+        quadratic(GAUSS[point / 3]).iter().zip(&self.depths[first..]).map(|(shape, depth)| shape * depth).sum()
+    }
+
     /// Geometry at the quadrature points of an element.
     pub fn points(&self, element: usize) -> &[Point] {
         &self.points[element * POINTS..(element + 1) * POINTS]
@@ -222,6 +242,22 @@ mod tests {
             let mesh = sector(side);
             let area: f64 = (0..mesh.elements()).flat_map(|e| mesh.points(e).iter().map(|p| p.weight)).sum();
             assert_relative_eq!(area, exact, max_relative = 1e-7);
+        }
+    }
+
+    #[test]
+    fn depths_are_distances_from_the_surface() {
+        for side in [1.0, -1.0] {
+            let mesh = sector(side);
+            for element in [0, 2, 37, 79] {
+                let nodes = mesh.element_nodes(element).map(|n| mesh.nodes[n]);
+                for q in 0..POINTS {
+                    let place = |k: usize| -> f64 { (0..NODES).map(|a| mesh.shape[q][a] * nodes[a][k]).sum() };
+                    let radius = place(0).hypot(place(1) - side * 0.1);
+                    assert_relative_eq!(mesh.point_depth(element, q), (0.1 - radius) / 1e-3, epsilon = 1e-4);
+                }
+            }
+            assert_eq!((mesh.depths[0], mesh.depths[mesh.levels() - 1]), (0.0, 1.0));
         }
     }
 

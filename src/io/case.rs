@@ -11,8 +11,9 @@
 //! columns = 120
 //! ```
 //!
-//! What a file does not mention keeps its default, or the value of the `preset` that the file names (on any line). A mistake is reported with its line, the key, the value and what would
-//! have been allowed.
+//! Numbers are SI; a text with a unit, `thickness = "1.2 mm"`, is converted. What a file does not mention keeps its default, or the
+//! value of the `preset` that the file names (on any line). The quantities of [`measured`](super::measured) stand for parameters. A
+//! mistake is reported with its line, the key, the value and what would have been allowed.
 
 use std::ops::Range;
 use std::path::Path;
@@ -20,6 +21,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
+use super::measured::{Given, Measured};
 use crate::error::Error;
 use crate::parameters::{Inputs, PARAMETERS, Parameters, Value};
 use crate::variables::{self, Type, VARIABLES, Variable};
@@ -67,7 +69,7 @@ impl Case {
         // In the order of the file, but what is said of both bodies first.
         entries.sort_by_key(|entry| (!entry.name.starts_with(BOTH), entry.key.start));
 
-        let mut case = Self::default();
+        let mut assignments = Vec::new();
         for entry in &entries {
             let value = entry.value.map_err(|what| {
                 mistake(entry.key.start, format!("`{}` is {what}, where one value is needed", entry.name))
@@ -75,12 +77,16 @@ impl Case {
             let value = read(value?).map_err(|given| {
                 mistake(entry.key.start, format!("{} = {given} is not allowed: {}", entry.name, allowed(&entry.name)))
             })?;
-            case.set(&entry.name, &value).map_err(|error| mistake(entry.key.start, error.to_string()))?;
+            assignments.push((entry.name.as_str(), value));
         }
+        let mut case = Self::default();
+        case.set_all(&assignments).map_err(|(place, error)| mistake(entries[place].key.start, error.to_string()))?;
         case.parameters.validate().map_err(|error| {
             // A rule that ties two values together: the line of the one that it names.
             let named = |entry: &&Entry| match &error {
-                Error::Value { name, .. } => bodies(&entry.name).iter().any(|full| full == name),
+                Error::Value { name, .. } => {
+                    bodies(&entry.name).iter().any(|full| full == name || Measured::decides(full, name))
+                }
                 _ => false,
             };
             let entry = entries.iter().rev().find(named);
@@ -106,18 +112,57 @@ impl Case {
     /// # Errors
     /// [`Error::UnknownName`], or [`Error::Value`] with what is allowed.
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), Error> {
+        self.set_all(&[(name, value.clone())]).map_err(|(_, error)| error)
+    }
+
+    /// Sets all that one source says, a file or the flags, in this order. On an error nothing changes.
+    ///
+    /// # Errors
+    /// Those of [`Self::set`], with the place of the assignment that is wrong.
+    pub fn set_all(&mut self, assignments: &[(&str, Value)]) -> Result<(), (usize, Error)> {
         let mut changed = *self;
-        for full in bodies(name) {
-            let whole = match (variables::find(&full).map(Variable::data_type), value) {
-                // 24.0 columns are 24.
-                (Ok(Type::Integer), Value::Real(v)) if v.fract() == 0.0 && v.abs() < 1e9 => Value::Integer(*v as i64),
-                _ => value.clone(),
-            };
-            variables::set(&mut changed.parameters, &mut changed.inputs, &full, &whole)
-                .map_err(|error| named_as_given(error, name, &full))?;
+        let mut given = Given::default();
+        for (place, (name, value)) in assignments.iter().enumerate() {
+            changed.assign(name, value, place, &mut given).map_err(|error| (place, error))?;
         }
+        let Self { parameters, inputs } = &mut changed;
+        given.resolve(parameters, |parameters, full, value| {
+            variables::set(parameters, inputs, full, &Value::Real(value))
+        })?;
         *self = changed;
         Ok(())
+    }
+
+    fn assign(&mut self, name: &str, value: &Value, place: usize, given: &mut Given) -> Result<(), Error> {
+        for full in bodies(name) {
+            let value = converted(name, &full, value)?;
+            if !given.note(&full, &value, place).map_err(|error| named_as_given(error, name, &full))? {
+                variables::set(&mut self.parameters, &mut self.inputs, &full, &value)
+                    .map_err(|error| named_as_given(error, name, &full))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The value in the type and the unit of its variable: 24.0 columns are 24, and `"2 mm"` is 2e-3.
+fn converted(name: &str, full: &str, value: &Value) -> Result<Value, Error> {
+    let variable = variables::find(full).ok();
+    let unit = match (&variable, Measured::find(full)) {
+        (_, Some(measured)) => Some(measured.unit),
+        (Some(variable), _) if variable.data_type() == Type::Real => Some(variable.unit),
+        _ => None,
+    };
+    match (value, unit) {
+        (Value::Real(v), _) if v.fract() == 0.0 && v.abs() < 1e9 => match variable.map(Variable::data_type) {
+            Some(Type::Integer) => Ok(Value::Integer(*v as i64)),
+            _ => Ok(value.clone()),
+        },
+        (Value::Text(text), Some(unit)) if !variable.is_some_and(Variable::is_output) => {
+            let refused = |why: String| Error::value(name, value, format!("{} ({why})", allowed(name)));
+            unit.read(text).map(Value::Real).map_err(refused)
+        }
+        _ => Ok(value.clone()),
     }
 }
 
@@ -147,6 +192,9 @@ fn named_as_given(error: Error, given: &str, full: &str) -> Error {
 
 fn allowed(name: &str) -> String {
     let full = bodies(name).remove(0);
+    if let Some(measured) = Measured::find(&full) {
+        return measured.allowed();
+    }
     match variables::find(&full) {
         Ok(variable) => variable.allowed(),
         Err(error) => named_as_given(error, name, &full).to_string(),
@@ -276,7 +324,21 @@ mod tests {
             ("viscosity = nan", "case.toml:1: viscosity = NaN is not allowed: a number from 1e-6 to 1e3 Pa.s"),
             (
                 "\n\nviscosity = 'thin'",
-                "case.toml:3: viscosity = \"thin\" is not allowed: a number from 1e-6 to 1e3 Pa.s",
+                "case.toml:3: viscosity = \"thin\" is not allowed: a number from 1e-6 to 1e3 Pa.s (a number has to come first, \
+                 then its unit)",
+            ),
+            (
+                "viscosity = '2 kPa'",
+                "case.toml:1: viscosity = \"2 kPa\" is not allowed: a number from 1e-6 to 1e3 Pa.s (`kPa` is not a unit of the \
+                 same kind as Pa.s)",
+            ),
+            (
+                "both.poisson_ratio = 0.5",
+                "case.toml:1: both.poisson_ratio = 0.5 is not allowed: a number from -9.9e-1 to 4.99e-1",
+            ),
+            (
+                "[lower]\naggregate_modulus = [1]",
+                "case.toml:2: lower.aggregate_modulus = [...] is not allowed: a number from 1e2 to 1e10 Pa",
             ),
             ("viscosity = [1e-3]", "case.toml:1: viscosity = [...] is not allowed: a number from 1e-6 to 1e3 Pa.s"),
             (
@@ -307,6 +369,84 @@ mod tests {
         assert!(error.starts_with("case.toml:2: not valid TOML: duplicate key"), "{error}");
         let error = message("width = 1\n[both]\nthickness = 0.09");
         assert!(error.starts_with("case.toml:3: upper.thickness = 0.09 is not allowed: less than half of"), "{error}");
+    }
+
+    #[test]
+    fn texts_with_units_are_converted() {
+        let case = Case::parse(
+            "f",
+            "penetration_depth = '12 um'\nviscosity = '1 mPa s'\nsector_half_angle = '5 deg'\n\
+             [both]\nthickness = '2 mm'\nshear_modulus = '0.7 MPa'\npermeability = '1e-6 um^2'\nbiot_coefficient = '90 %'",
+        )
+        .unwrap();
+        let (inputs, parameters, upper) = (case.inputs, case.parameters, case.parameters.upper);
+        assert_eq!((inputs.penetration_depth, parameters.viscosity), (12e-6, 1e-3));
+        assert!((parameters.sector_half_angle - std::f64::consts::PI / 36.0).abs() < 1e-15);
+        assert_eq!((upper.thickness, upper.shear_modulus, upper.permeability), (2e-3, 0.7e6, 1e-18));
+        assert_eq!((upper.biot_coefficient, upper), (0.9, parameters.lower));
+    }
+
+    /// E = 9 K G/(3 K + G), nu = (3 K - 2 G)/(6 K + 2 G), H_A = K + 4 G/3.
+    #[test]
+    fn other_pairs_of_moduli_and_hydraulic_permeability_stand_for_parameters() {
+        let text = "both.poisson_ratio = 0.125\nlower.aggregate_modulus = '0.5 MPa'\nupper.young_modulus = '0.675 MPa'\n\
+                    both.hydraulic_permeability = '7.6e-15 m^4/(N s)'\nlower.poisson_ratio = 0.3";
+        for text in [text.to_owned() + "\n[mesh]\nrows = 6", format!("viscosity = 2e-3\n{text}")] {
+            let parameters = Case::parse("f", &text).unwrap().parameters;
+            let [upper, lower] =
+                [parameters.upper, parameters.lower].map(|body| (body.shear_modulus, body.bulk_modulus));
+            let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+            close(9.0 * upper.1 * upper.0 / (3.0 * upper.1 + upper.0), 0.675e6);
+            close((3.0 * upper.1 - 2.0 * upper.0) / (6.0 * upper.1 + 2.0 * upper.0), 0.125);
+            close(lower.1 + 4.0 / 3.0 * lower.0, 0.5e6);
+            close((3.0 * lower.1 - 2.0 * lower.0) / (6.0 * lower.1 + 2.0 * lower.0), 0.3);
+            close(parameters.lower.permeability, 7.6e-15 * parameters.viscosity);
+        }
+        // They win over a preset as any other value does, and over what was said before.
+        let mut case = Case::parse("f", "both.shear_modulus = 1e6\npreset = 'human_normal'").unwrap();
+        case.set_all(&[("both.young_modulus", Value::Real(1e6)), ("both.poisson_ratio", Value::Integer(0))]).unwrap();
+        assert_eq!((case.parameters.upper.shear_modulus, case.parameters.upper.bulk_modulus), (0.5e6, 1e6 / 3.0));
+        case.set("preset", &Value::Text("osteoarthritic".into())).unwrap();
+        assert_eq!(case.parameters.lower.shear_modulus, 0.5e6);
+    }
+
+    #[test]
+    fn conflicts_of_moduli_and_permeabilities_say_which() {
+        for (text, line, parts) in [
+            ("both.aggregate_modulus = 1e6", 1, ["upper.aggregate_modulus = 1000000", "without upper.poisson_ratio"]),
+            ("\nlower.young_modulus = 1e6", 2, ["lower.young_modulus", "without lower.poisson_ratio"]),
+            ("lower.poisson_ratio = 0.1", 1, ["lower.poisson_ratio = 0.1", "without lower.aggregate_modulus or"]),
+            (
+                "lower.poisson_ratio = 0.1\nlower.young_modulus = 1e6\nboth.aggregate_modulus = 1e6\nupper.poisson_ratio = 0",
+                2,
+                ["lower.young_modulus", "beside lower.aggregate_modulus; give one pair"],
+            ),
+            (
+                "upper.shear_modulus = 1e6\nboth.poisson_ratio = 0.1\nboth.young_modulus = 1e6",
+                3,
+                ["upper.young_modulus", "where upper.shear_modulus or upper.bulk_modulus is given too"],
+            ),
+            (
+                "both.permeability = 1e-18\nlower.hydraulic_permeability = 1e-15",
+                2,
+                ["lower.hydraulic_permeability", "beside lower.permeability"],
+            ),
+            (
+                "lower.hydraulic_permeability = 1e-6\nviscosity = 100",
+                1,
+                ["lower.permeability = 0.0000999", "from 1e-24 to 1e-9 m2"],
+            ),
+            // A rule that ties the moduli together names the line of what they follow from.
+            (
+                "formulation = 'consistent'\nboth.poisson_ratio = -0.2\nboth.young_modulus = 1e6\nboth.solid_law = 'holmes_mow'",
+                3,
+                ["upper.bulk_modulus", "2/3 of upper.shear_modulus"],
+            ),
+        ] {
+            let message = message(text);
+            assert!(message.starts_with(&format!("case.toml:{line}: ")), "{message}");
+            parts.iter().for_each(|part| assert!(message.contains(part), "{message}"));
+        }
     }
 
     #[test]

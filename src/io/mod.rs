@@ -1,4 +1,5 @@
 //! Files that people write and read.
 
 pub mod case;
+pub mod measured;
 pub mod vtu;

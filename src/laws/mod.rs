@@ -3,6 +3,7 @@
 
 pub mod contact;
 pub mod darcy;
+pub mod depth;
 pub mod film;
 pub mod kinematics;
 pub mod roughness;

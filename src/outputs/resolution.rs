@@ -82,8 +82,8 @@ impl Solved<'_> {
             let row = (layer.mesh.nodes[2][1] - layer.mesh.nodes[0][1])
                 .hypot(layer.mesh.nodes[2][0] - layer.mesh.nodes[0][0]);
             let body = if layer.side > 0.0 { &p.upper } else { &p.lower };
-            let modulus = body.bulk_modulus + 4.0 / 3.0 * body.shear_modulus;
-            let depth = (layer.tissue.mobility * modulus * length / speed.abs()).sqrt();
+            let modulus = body.surface_aggregate_modulus();
+            let depth = (layer.tissue.at_depth(0.0).mobility * modulus * length / speed.abs()).sqrt();
             // Where that layer takes up less fluid than the film holds it does not matter.
             if consistent && row > depth && depth * largest / modulus > 0.1 * film {
                 warnings.push(format!(

@@ -2,7 +2,7 @@
 
 use crate::laws::Formulation;
 
-use super::{Body, Mesh, MeshDistribution, Parameters};
+use super::{Body, Factors, Mesh, MeshDistribution, Parameters};
 
 /// Where all parameters start from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -19,6 +19,12 @@ pub enum Preset {
     BovineHumeralHead,
     /// Cartilage after collagenase, as in osteoarthritis.
     Osteoarthritic,
+    /// Human lateral femoral condyle, with fibres.
+    HumanFemoralCondyleFibres,
+    /// Calf's humeral head, with fibres.
+    BovineHumeralHeadFibres,
+    /// Bovine cartilage in layers.
+    BovineLayered,
 }
 
 /// Cartilage as tests of the biphasic theory report it.
@@ -34,6 +40,26 @@ pub struct Tissue {
     pub thickness: f64,
     /// Combined root mean square roughness of two such surfaces [m].
     pub roughness: f64,
+    /// Tensile modulus E+ of the drained tissue, which fibres add [Pa]; 0 where there are none.
+    pub tensile_modulus: f64,
+    /// Permeability along the surface over that through the depth [1].
+    pub tangential_permeability_ratio: f64,
+    /// Values at the surface and at the bone over those in the middle, linear in between, where the tissue has layers.
+    pub layers: Option<[Factors; 2]>,
+}
+
+impl Tissue {
+    /// Without fibres, with one permeability, alike at all depths.
+    const PLAIN: Self = Self {
+        aggregate_modulus: 0.0,
+        poisson_ratio: 0.0,
+        hydraulic_permeability: 0.0,
+        thickness: 0.0,
+        roughness: 0.3e-6,
+        tensile_modulus: 0.0,
+        tangential_permeability_ratio: 1.0,
+        layers: None,
+    };
 }
 
 /// One row of [`PRESETS`].
@@ -53,7 +79,7 @@ pub struct PresetRow {
 }
 
 /// Every preset, in the order of [`Preset`].
-pub static PRESETS: [PresetRow; 6] = [
+pub static PRESETS: [PresetRow; 9] = [
     PresetRow {
         preset: Preset::Paper,
         name: "paper",
@@ -74,7 +100,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.025,
             hydraulic_permeability: 3.55e-15,
             thickness: 2.5e-3,
-            roughness: 0.3e-6,
+            ..Tissue::PLAIN
         }),
     },
     PresetRow {
@@ -88,7 +114,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.10,
             hydraulic_permeability: 1.18e-15,
             thickness: 2.3e-3,
-            roughness: 0.3e-6,
+            ..Tissue::PLAIN
         }),
     },
     PresetRow {
@@ -103,7 +129,7 @@ pub static PRESETS: [PresetRow; 6] = [
             poisson_ratio: 0.125,
             hydraulic_permeability: 7.6e-15,
             thickness: 1.78e-3,
-            roughness: 0.3e-6,
+            ..Tissue::PLAIN
         }),
     },
     PresetRow {
@@ -112,14 +138,14 @@ pub static PRESETS: [PresetRow; 6] = [
         description: "Humeral head of calves six months old",
         source: "Soltz and Ateshian, Journal of Biomechanical Engineering 122 (6), 576-586, 2000 (PMC2854000)",
         uncertainty: "aggregate modulus 0.64 +- 0.22 MPa, axial hydraulic permeability (3.62 +- 0.97)e-16 m^4/(N s), the radial one \
-                      is 6.06e-16; in tension the tissue is twenty times stiffer, which the preset leaves out; thickness not \
-                      given, 1.5 mm is assumed",
+                      is 6.06e-16; in tension the tissue is twenty times stiffer, which only bovine_humeral_head_fibres has; \
+                      thickness not given, 1.5 mm is assumed",
         tissue: Some(Tissue {
             aggregate_modulus: 0.64e6,
             poisson_ratio: 0.03,
             hydraulic_permeability: 3.62e-16,
             thickness: 1.5e-3,
-            roughness: 0.3e-6,
+            ..Tissue::PLAIN
         }),
     },
     PresetRow {
@@ -136,13 +162,69 @@ pub static PRESETS: [PresetRow; 6] = [
             hydraulic_permeability: 6.5e-14,
             thickness: 2.0e-3,
             roughness: 0.75e-6,
+            ..Tissue::PLAIN
+        }),
+    },
+    PresetRow {
+        preset: Preset::HumanFemoralCondyleFibres,
+        name: "human_femoral_condyle_fibres",
+        description: "Human distal femur, lateral condyle, with fibres that only pull",
+        source: "human_femoral_condyle; tensile modulus after Akizuki et al., Journal of Orthopaedic Research 4 (4), 379-392, 1986",
+        uncertainty: "as human_femoral_condyle; the tensile modulus is assumed: the article's summary says that all specimens of human \
+                      knees were below 30 MPa and osteoarthritic ones below 2 MPa, and some MPa are quoted for normal condyles",
+        tissue: Some(Tissue {
+            aggregate_modulus: 0.70e6,
+            poisson_ratio: 0.10,
+            hydraulic_permeability: 1.18e-15,
+            thickness: 2.3e-3,
+            tensile_modulus: 5e6,
+            ..Tissue::PLAIN
+        }),
+    },
+    PresetRow {
+        preset: Preset::BovineHumeralHeadFibres,
+        name: "bovine_humeral_head_fibres",
+        description: "Humeral head of calves six months old, with fibres that only pull",
+        source: "Soltz and Ateshian, Journal of Biomechanical Engineering 122 (6), 576-586, 2000 (PMC2854000)",
+        uncertainty: "as bovine_humeral_head; tensile modulus 12.75 +- 1.56 MPa from unconfined compression, radial hydraulic \
+                      permeability (6.06 +- 2.10)e-16 m^4/(N s); the article has fibres along three axes, here they are in all directions",
+        tissue: Some(Tissue {
+            aggregate_modulus: 0.64e6,
+            poisson_ratio: 0.03,
+            hydraulic_permeability: 3.62e-16,
+            thickness: 1.5e-3,
+            tensile_modulus: 12.75e6,
+            tangential_permeability_ratio: 6.06 / 3.62,
+            ..Tissue::PLAIN
+        }),
+    },
+    PresetRow {
+        preset: Preset::BovineLayered,
+        name: "bovine_layered",
+        description: "Bovine cartilage whose modulus and permeability change with depth",
+        source: "Chen, Bae, Schinagl and Sah, Journal of Biomechanics 34 (1), 1-12, 2001 (summary)",
+        uncertainty: "zero-strain values of three layers: aggregate modulus 0.27 MPa at the surface to 0.71 MPa at the bone, hydraulic \
+                      permeability 4.6e-15 to 0.50e-15 m^4/(N s); those in the middle are assumed, the mean and the geometric mean; \
+                      Poisson's ratio 0.1 and thickness 1.5 mm are assumed; falling permeability (M 5.5 to 7.4 there) is left out",
+        tissue: Some(Tissue {
+            aggregate_modulus: 0.49e6,
+            poisson_ratio: 0.1,
+            hydraulic_permeability: 1.52e-15,
+            thickness: 1.5e-3,
+            layers: Some([layer(0.27 / 0.49, 4.6 / 1.52), layer(0.71 / 0.49, 0.50 / 1.52)]),
+            ..Tissue::PLAIN
         }),
     },
 ];
 
+/// Both moduli and the permeability, over those in the middle.
+const fn layer(moduli: f64, permeability: f64) -> Factors {
+    Factors { shear_modulus: moduli, bulk_modulus: moduli, permeability, ..Factors::NONE }
+}
+
 /// Names and descriptions, as a parameter lists its choices.
-pub(super) const ITEMS: [(&str, &str); 6] = {
-    let mut items = [("", ""); 6];
+pub(super) const ITEMS: [(&str, &str); 9] = {
+    let mut items = [("", ""); 9];
     let mut i = 0;
     while i < items.len() {
         items[i] = (PRESETS[i].name, PRESETS[i].description);
@@ -161,6 +243,13 @@ impl Tissue {
     pub fn bulk_modulus(&self) -> f64 {
         self.aggregate_modulus * (1.0 + self.poisson_ratio) / (3.0 * (1.0 - self.poisson_ratio))
     }
+
+    /// Modulus xi of fibres in all directions (power law of exponent 2) that resist the spreading of a plug in fast unconfined
+    /// compression, strains e, e, -2e, as the tensile modulus does: E+ e = 2 xi e int_0^u (1 - c^2)(1 - 3 c^2) dc, u^2 = 1/3 [Pa].
+    pub fn fibre_modulus(&self) -> f64 {
+        let u = (1.0_f64 / 3.0).sqrt();
+        self.tensile_modulus / (2.0 * (u - 4.0 / 3.0 * u.powi(3) + 0.6 * u.powi(5)))
+    }
 }
 
 impl Preset {
@@ -175,7 +264,13 @@ impl Preset {
             bulk_modulus: tissue.bulk_modulus(),
             permeability: tissue.hydraulic_permeability * paper.viscosity,
             biot_coefficient: 1.0,
+            fibre_modulus: tissue.fibre_modulus(),
+            tangential_permeability_ratio: tissue.tangential_permeability_ratio,
             ..paper.upper
+        };
+        let body = match tissue.layers {
+            None => body,
+            Some([surface, deep]) => Body { surface, deep, middle_zone_start: 0.5, middle_zone_end: 0.5, ..body },
         };
         Parameters {
             upper: body,
@@ -221,6 +316,22 @@ mod tests {
         let (g, k) = (body.shear_modulus, body.bulk_modulus);
         assert_relative_eq!(9.0 * k * g / (3.0 * k + g), 0.675e6, max_relative = 1e-12);
         assert_relative_eq!(body.permeability, 7.6e-18, max_relative = 1e-12);
+    }
+
+    /// The stress across a plug that is pressed fast, by the law itself, in plane strain and out of it: F = diag(1 + e, 1 - 2e) and F_zz =
+    /// 1 + e cannot be had in plane strain, so that the mean over the sphere is summed up here.
+    #[test]
+    fn fibres_resist_the_spreading_of_a_plug_as_its_tensile_modulus_does() {
+        let tissue = PRESETS[Preset::BovineHumeralHeadFibres as usize].tissue.unwrap();
+        assert_eq!(PRESETS[Preset::BovineHumeralHead as usize].tissue.unwrap().fibre_modulus(), 0.0);
+        let (count, e) = (2000, 1e-3);
+        let stress = (0..count).map(|i| {
+            let cosine_squared = ((f64::from(i) + 0.5) / f64::from(count)).powi(2);
+            let extension = 2.0 * e * (1.0 - 3.0 * cosine_squared);
+            // Along one of the two axes across: half of what is not along the plug.
+            2.0 * 0.5 * (1.0 - cosine_squared) * tissue.fibre_modulus() * extension.max(0.0)
+        });
+        assert_relative_eq!(stress.sum::<f64>() / f64::from(count), 12.75e6 * e, max_relative = 1e-5);
     }
 
     #[test]

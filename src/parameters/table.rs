@@ -212,26 +212,29 @@ macro_rules! rows {
     (@kind $name:tt [$($place:tt)+] $($kind:tt)+) => { kind!($($kind)+, $($place)+) };
 }
 
-/// Two rows each, one a body: `[reference of upper, of lower] field: type, "description"`.
+/// Two rows each, one a body: `[reference of upper, of lower] name at place: type, "description"`, where a name that is a field of
+/// the body is its own place.
 macro_rules! body_rows {
-    ($([$upper:literal, $lower:literal] $field:ident: $kind:ident $(($($range:tt)*))?, $description:literal;)*) => {
+    ($([$upper:literal, $lower:literal] $field:ident $(at $($place:ident).+)?: $kind:ident $(($($range:tt)*))?, $description:literal;)*) => {
         [$(
             Parameter {
                 reference: $upper,
                 name: concat!("upper.", stringify!($field)),
                 unit: unit!($kind $(($($range)*))?),
                 description: concat!($description, " of the upper body"),
-                kind: kind!($kind $(($($range)*))?, upper.$field),
+                kind: body_rows!(@kind upper $field [$($($place).+)?] $kind $(($($range)*))?),
             },
             Parameter {
                 reference: $lower,
                 name: concat!("lower.", stringify!($field)),
                 unit: unit!($kind $(($($range)*))?),
                 description: concat!($description, " of the lower body"),
-                kind: kind!($kind $(($($range)*))?, lower.$field),
+                kind: body_rows!(@kind lower $field [$($($place).+)?] $kind $(($($range)*))?),
             },
         )*]
     };
+    (@kind $body:ident $field:ident [] $($kind:tt)+) => { kind!($($kind)+, $body.$field) };
+    (@kind $body:ident $field:ident [$($place:tt)+] $($kind:tt)+) => { kind!($($kind)+, $body.$($place)+) };
 }
 
 static BODY_ROWS: [Parameter; 12] = body_rows! {
@@ -378,7 +381,35 @@ static JOINT_ROWS: [Parameter; 8] = rows! {
         "Share of the fluid's pressure in real contact that boundary friction feels as well (phi of Ateshian; rough surfaces)";
 };
 
-const PARTS: [&[Parameter]; 9] = [
+static DEPTH_ROWS: [Parameter; 26] = body_rows! {
+    [560, 561] tangential_permeability_ratio: real(Unit::One, 1e-2, 1e2, 1.0),
+        "Permeability along the articular surface over that through the depth";
+    [580, 581] middle_zone_start: real(Unit::One, 0.0, 1.0, 0.1),
+        "Depth over thickness where the middle zone begins, for which moduli and permeability are given,";
+    [582, 583] middle_zone_end: real(Unit::One, 0.0, 1.0, 0.1), "Depth over thickness where the middle zone ends";
+    [584, 585] surface_shear_modulus_ratio at surface.shear_modulus: real(Unit::One, 1e-2, 1e2, 1.0),
+        "Shear modulus at the surface over shear_modulus";
+    [586, 587] deep_shear_modulus_ratio at deep.shear_modulus: real(Unit::One, 1e-2, 1e2, 1.0),
+        "Shear modulus at the bone over shear_modulus";
+    [588, 589] surface_bulk_modulus_ratio at surface.bulk_modulus: real(Unit::One, 1e-2, 1e2, 1.0),
+        "Bulk modulus at the surface over bulk_modulus";
+    [590, 591] deep_bulk_modulus_ratio at deep.bulk_modulus: real(Unit::One, 1e-2, 1e2, 1.0),
+        "Bulk modulus at the bone over bulk_modulus";
+    [592, 593] surface_fibre_modulus_ratio at surface.fibre_modulus: real(Unit::One, 0.0, 1e2, 1.0),
+        "Modulus of the fibres at the surface over fibre_modulus";
+    [594, 595] deep_fibre_modulus_ratio at deep.fibre_modulus: real(Unit::One, 0.0, 1e2, 1.0),
+        "Modulus of the fibres at the bone over fibre_modulus";
+    [596, 597] surface_permeability_ratio at surface.permeability: real(Unit::One, 1e-3, 1e3, 1.0),
+        "Permeability at the surface over permeability";
+    [598, 599] deep_permeability_ratio at deep.permeability: real(Unit::One, 1e-3, 1e3, 1.0),
+        "Permeability at the bone over permeability";
+    [600, 601] surface_solid_fraction_ratio at surface.solid_volume_fraction: real(Unit::One, 0.0, 1e1, 1.0),
+        "Volume fraction of the solid at the surface over solid_volume_fraction";
+    [602, 603] deep_solid_fraction_ratio at deep.solid_volume_fraction: real(Unit::One, 0.0, 1e1, 1.0),
+        "Volume fraction of the solid at the bone over solid_volume_fraction";
+};
+
+const PARTS: [&[Parameter]; 10] = [
     &BODY_ROWS,
     &COMMON_ROWS,
     &STRAIN_DEPENDENCE_ROWS,
@@ -387,6 +418,7 @@ const PARTS: [&[Parameter]; 9] = [
     &CAVITATION_ROWS,
     &JOINT_ROWS,
     &SOLID_ROWS,
+    &DEPTH_ROWS,
     &WORK_ROWS,
 ];
 

@@ -24,6 +24,8 @@ fn column(consistent: bool, order: i32, surface: Condition) -> Strip {
         solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 }.into(),
         biot_coefficient: 1.0,
         mobility: K,
+        tangential_ratio: 1.0,
+        profile: None,
         strain_dependence: None,
         fluid_compressibility: 0.0,
         consistent,

@@ -96,6 +96,8 @@ fn an_incompressible_layer() {
             solid: NeoHookean { shear_modulus, bulk_modulus: shear_modulus }.into(),
             biot_coefficient: 1.0,
             mobility: 1e-12,
+            tangential_ratio: 1.0,
+            profile: None,
             strain_dependence: None,
             fluid_compressibility: 0.0,
             consistent: true,

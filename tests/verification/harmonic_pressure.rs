@@ -26,6 +26,8 @@ fn answer(q: f64, consistent: bool, speed: f64) -> [[f64; 2]; 3] {
         solid: NeoHookean { shear_modulus: G, bulk_modulus: 0.5e6 }.into(),
         biot_coefficient: 0.9,
         mobility: K,
+        tangential_ratio: 1.0,
+        profile: None,
         strain_dependence: None,
         fluid_compressibility: 0.0,
         consistent,

@@ -5,6 +5,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod layered_tissue;
 mod line;
 mod pair;
 mod strip;
@@ -13,6 +14,7 @@ mod cavitation;
 mod consolidation;
 mod derivatives;
 mod dry_contact;
+mod fibre_tissue;
 mod film_alone;
 mod harmonic_pressure;
 mod identities;

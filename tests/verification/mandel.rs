@@ -39,6 +39,8 @@ fn computed(time: f64, steps: usize, order: i32) -> f64 {
         solid: NeoHookean { shear_modulus: G, bulk_modulus: BULK }.into(),
         biot_coefficient: 1.0,
         mobility: MOBILITY,
+        tangential_ratio: 1.0,
+        profile: None,
         strain_dependence: None,
         fluid_compressibility: 0.0,
         consistent: true,

@@ -8,7 +8,8 @@
 //!
 //! with the divergences by central differences of the laws at the exact fields. The layer's own closed forms (uniaxial strain and
 //! stress, shear) are unit tests of the law. Varied: mesh 4 x 2 to 32 x 16, formulation, order of the
-//! pressure, permeability k constant or of Holmes and Mow. Expected in L2:
+//! pressure, permeability k constant or of Holmes and Mow, tissue uniform or with moduli and permeability that change with depth and
+//! three times the permeability along the layers. Expected in L2:
 //! order 3 of displacements and pressures where the pressure's shape functions are of order 2. Where they are of order 1 its error
 //! is of order 2 in every norm, and loads the displacement: order 2 of both.
 
@@ -17,7 +18,8 @@ use std::f64::consts::PI;
 use cartilage_contact::equations::tissue::Tissue;
 use cartilage_contact::fem::element::{NODES, POINTS};
 use cartilage_contact::fem::mesh::{LayerMesh, quadratic_stations};
-use cartilage_contact::laws::darcy::{HolmesMow, conductance};
+use cartilage_contact::laws::darcy::HolmesMow;
+use cartilage_contact::laws::depth::{DepthProfile, Factors};
 use cartilage_contact::laws::kinematics::Strain;
 use cartilage_contact::laws::solid::NeoHookean;
 use nalgebra::{Matrix2, Vector2};
@@ -77,17 +79,31 @@ where
     })
 }
 
+/// A tight circle, so that the elements are truly curved.
+const RADIUS: f64 = 5e-3;
+
+/// Depth below the surface of the circle around (0, -R), as a share of the thickness.
+fn depth(x: [f64; 2]) -> f64 {
+    (RADIUS - x[0].hypot(x[1] + RADIUS)) / THICKNESS
+}
+
+/// Along the layers.
+fn along(x: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(RADIUS + x[1], -x[0])
+}
+
 /// Body force [N/m^3] and source of fluid [1/s] that belong to the chosen fields; `velocity` is that of the moving tissue.
 fn sources(tissue: &Tissue, x: [f64; 2], velocity: [f64; 2]) -> ([f64; 2], f64) {
     let alpha = tissue.biot_coefficient;
     let stress = |x| {
         let strain = Strain::new(displacement_gradient(x));
-        let effective = tissue.solid.stress(&strain);
+        let effective = tissue.at_depth(depth(x)).solid.stress(&strain);
         if tissue.consistent { effective - strain.cofactor * (alpha * pressure(x)) } else { effective }
     };
     let flux = |x| {
         let strain = Strain::new(displacement_gradient(x));
-        -(conductance(tissue.mobility_at(&strain).0, &strain, tissue.consistent) * pressure_gradient(x))
+        let mobility = tissue.at_depth(depth(x)).mobility_at(&strain, &along(x)).0;
+        -(mobility.conductance(&strain, tissue.consistent) * pressure_gradient(x))
     };
     let volume = |x| Strain::new(displacement_gradient(x)).volume_change;
     let [sx, sy] = differentiate(stress, x);
@@ -101,15 +117,33 @@ fn sources(tissue: &Tissue, x: [f64; 2], velocity: [f64; 2]) -> ([f64; 2], f64) 
 }
 
 /// Errors in L2 of displacement and pressure, relative to the fields.
-fn errors(refinement: usize, consistent: bool, order: i32, strain_dependence: Option<HolmesMow>) -> [f64; 2] {
+fn errors(
+    refinement: usize,
+    consistent: bool,
+    order: i32,
+    strain_dependence: Option<HolmesMow>,
+    layered: bool,
+) -> [f64; 2] {
     let stations = quadratic_stations(4 * refinement, |i| LENGTH * (i as f64 / (4 * refinement) as f64 - 0.5));
     let depths = quadratic_stations(2 * refinement, |j| THICKNESS * j as f64 / (2 * refinement) as f64);
-    // A tight circle, so that the elements are truly curved.
-    let mesh = LayerMesh::sector(&stations, &depths, 5e-3, -1.0, order);
+    let mesh = LayerMesh::sector(&stations, &depths, RADIUS, -1.0, order);
     let tissue = Tissue {
         solid: NeoHookean { shear_modulus: 0.45e6, bulk_modulus: 0.5e6 }.into(),
         biot_coefficient: 0.9,
         mobility: 1e-12,
+        tangential_ratio: if layered { 3.0 } else { 1.0 },
+        // Linear over the whole depth, where the fields stay smooth.
+        profile: layered.then_some(DepthProfile {
+            surface: Factors {
+                shear_modulus: 0.5,
+                bulk_modulus: 2.0,
+                permeability: 3.0,
+                solid_volume_fraction: 0.5,
+                fibre_modulus: 1.0,
+            },
+            deep: Factors::NONE,
+            middle_zone: [1.0, 1.0],
+        }),
         strain_dependence,
         fluid_compressibility: 0.0,
         consistent,
@@ -167,20 +201,23 @@ fn errors(refinement: usize, consistent: bool, order: i32, strain_dependence: Op
 #[test]
 fn manufactured_solutions_converge_with_the_expected_order() {
     let law = Some(HolmesMow { solid_volume_fraction: 0.2, exponent: 2.0, strain_coefficient: 2.2 });
-    for (consistent, order, law) in [
-        (false, 2, None),
-        (true, 2, None),
-        (false, 1, None),
-        (true, 1, None),
-        (false, 2, law),
-        (true, 2, law),
-        (true, 1, law),
+    for (consistent, order, law, layered) in [
+        (false, 2, None, false),
+        (true, 2, None, false),
+        (false, 1, None, false),
+        (true, 1, None, false),
+        (false, 2, law, false),
+        (true, 2, law, false),
+        (true, 1, law, false),
+        (false, 2, law, true),
+        (true, 2, law, true),
+        (true, 1, None, true),
     ] {
-        let all = [2, 4, 8].map(|refinement| errors(refinement, consistent, order, law));
+        let all = [2, 4, 8].map(|refinement| errors(refinement, consistent, order, law, layered));
         let displacement = orders(&all.map(|e| e[0]));
         let pressure = orders(&all.map(|e| e[1]));
         println!(
-            "consistent {consistent}, pressure order {order}, {law:?}: {all:?}, orders {displacement:?} {pressure:?}"
+            "consistent {consistent}, pressure order {order}, {law:?}, layered {layered}: {all:?}, orders {displacement:?} {pressure:?}"
         );
         assert!(displacement[1] > f64::from(order) + 0.8, "displacement: orders {displacement:?} of {all:?}");
         assert!(pressure[1] > f64::from(order) + 0.8, "pressure: orders {pressure:?} of {all:?}");

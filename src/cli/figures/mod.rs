@@ -3,9 +3,10 @@
 
 mod canvas;
 mod colour_map;
+pub mod experiments;
 pub mod fields;
 pub mod gait;
-mod panel;
+pub mod panel;
 pub mod press_and_release;
 pub mod reduced;
 pub mod stribeck;

@@ -16,6 +16,7 @@ use cartilage_contact::io::case::Case;
 use cartilage_contact::io::vtu;
 use cartilage_contact::parameters::{Inputs, Value};
 use cartilage_contact::sweep;
+use cartilage_contact::units::Unit;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::case::{CaseArguments, numbers};
@@ -73,10 +74,10 @@ pub struct Arguments {
 /// Solves what the table does not hold yet, then draws.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let case = arguments.case.load()?;
-    let depths = numbers("--depths", &arguments.depths)?;
-    let drawn = arguments.fields.as_deref().map_or(Ok(Vec::new()), |text| numbers("--fields", text))?;
+    let depths = numbers("--depths", Unit::Metre, &arguments.depths)?;
+    let drawn = arguments.fields.as_deref().map_or(Ok(Vec::new()), |text| numbers("--fields", Unit::Metre, text))?;
     let speeds = match &arguments.speeds {
-        Some(text) => numbers("--speeds", text)?,
+        Some(text) => numbers("--speeds", Unit::MetrePerSecond, text)?,
         None => vec![case.inputs.sliding_speed],
     };
     let wanted = points(&case, &speeds, depths.iter().chain(&drawn))?;

@@ -202,6 +202,7 @@ impl Layer {
                 },
                 biot_coefficient: alpha,
                 mobility: body.permeability / parameters.viscosity,
+                tangential_ratio: body.tangential_permeability_ratio,
                 strain_dependence: match parameters.permeability_law {
                     PermeabilityLaw::Constant => None,
                     PermeabilityLaw::HolmesMow => Some(darcy::HolmesMow {
@@ -212,6 +213,7 @@ impl Layer {
                 },
                 fluid_compressibility: parameters.fluid_compressibility,
                 consistent,
+                profile: body.depth_profile(),
             },
             side,
         }

@@ -80,6 +80,11 @@ impl Fibres {
         }
     }
 
+    /// Multiplies the modulus.
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.modulus *= factor;
+    }
+
     /// Sum over the directions in which fibres pull, of m, F m and g.
     fn mean<T: std::ops::AddAssign>(
         &self,

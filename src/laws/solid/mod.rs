@@ -9,6 +9,7 @@ mod tests;
 
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
+use super::depth::Factors;
 use super::kinematics::{Strain, flatten, unflatten};
 pub use fibres::Fibres;
 pub use holmes_mow::HolmesMow;
@@ -81,6 +82,20 @@ impl GroundMatrix {
 }
 
 impl Solid {
+    /// With moduli that many times as large.
+    pub fn scaled(mut self, factors: &Factors) -> Self {
+        let (shear_modulus, bulk_modulus) = match &mut self.matrix {
+            GroundMatrix::NeoHookean(law) => (&mut law.shear_modulus, &mut law.bulk_modulus),
+            GroundMatrix::HolmesMow(law) => (&mut law.shear_modulus, &mut law.bulk_modulus),
+        };
+        *shear_modulus *= factors.shear_modulus;
+        *bulk_modulus *= factors.bulk_modulus;
+        if let Some(fibres) = &mut self.fibres {
+            fibres.scale(factors.fibre_modulus);
+        }
+        self
+    }
+
     /// Strain energy W per reference volume [J/m^3].
     pub fn energy(&self, strain: &Strain) -> f64 {
         self.matrix.energy(strain) + self.fibres.as_ref().map_or(0.0, |fibres| fibres.energy(strain))
