@@ -14,6 +14,9 @@ pub enum Unit {
     PascalSecond,
     Newton,
     NewtonPerMetre,
+    NewtonMetre,
+    Watt,
+    Joule,
     SquareMetrePerSecond,
     Second,
 }
@@ -41,6 +44,9 @@ impl Unit {
             Self::PascalSecond => "Pa.s",
             Self::Newton => "N",
             Self::NewtonPerMetre => "N/m",
+            Self::NewtonMetre => "N.m",
+            Self::Watt => "W",
+            Self::Joule => "J",
             Self::SquareMetrePerSecond => "m2/s",
             Self::Second => "s",
         }
@@ -59,6 +65,8 @@ impl Unit {
             Self::PascalSecond => (1, -1, -1, 0),
             Self::Newton => (1, 1, -2, 0),
             Self::NewtonPerMetre => (1, 0, -2, 0),
+            Self::NewtonMetre | Self::Joule => (1, 2, -2, 0),
+            Self::Watt => (1, 2, -3, 0),
             Self::SquareMetrePerSecond => (0, 2, -1, 0),
             Self::Second => (0, 0, 1, 0),
         }
