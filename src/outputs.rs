@@ -220,8 +220,8 @@ impl Solved<'_> {
             sliding_height += shear * height[end];
             // Out there the slope of the mean surface is in proportion to that of the gap: int p h' dx = [p h] - int h p' dx.
             let side = if end == 0 { -1.0 } else { 1.0 };
-            let [upper, lower] = [p.upper.outer_radius, p.lower.outer_radius];
-            beyond += (pressure[end] * gap[end] * side + first * 2.0) * (0.5 * (lower - upper) / (lower + upper));
+            let [upper, lower] = [p.upper.curvature(), p.lower.curvature()];
+            beyond += (pressure[end] * gap[end] * side + first * 2.0) * (0.5 * (upper - lower) / (upper + lower));
         }
         let (m, slopes) =
             mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);
@@ -235,11 +235,11 @@ impl Solved<'_> {
         let tangential_load = resultant.on_slopes + beyond - sliding - boundary;
         let load_moment = resultant.moment + sliding_height + rubbing_height;
         // Each bone turns about the centre of its undeformed surface, so that this one has the surface's speed.
-        let rotation_power = [(p.upper.outer_radius, speeds[0], -1.0), (p.lower.outer_radius, speeds[1], 1.0)]
+        let rotation_power = [(p.upper.curvature(), speeds[0], -1.0), (p.lower.curvature(), speeds[1], 1.0)]
             .into_iter()
-            .map(|(radius, speed, sign)| {
-                let turning = load_moment * (-1.0 / radius);
-                speed * (turning + tangential_load * sign * (-depth * (0.5 / radius) + 1.0))
+            .map(|(curvature, speed, sign)| {
+                let turning = load_moment * -curvature;
+                speed * (turning + tangential_load * sign * (-depth * (0.5 * curvature) + 1.0))
             })
             .sum::<Dual64>();
 

@@ -42,7 +42,7 @@ impl Solved<'_> {
         let depth = self.at.inputs.penetration_depth;
         let zero = Dual64::from(0.0);
         let mut sum = TissueEnergy { stored: zero, pores: zero, carried: zero };
-        let copies = 2.0 / system.layers.len() as f64;
+        let copies = system.copies();
         for (body, (layer, speed)) in system.layers.iter().zip(speeds).enumerate() {
             let Tissue { solid, biot_coefficient, fluid_compressibility, consistent, .. } = layer.tissue;
             for element in 0..layer.mesh.elements() {

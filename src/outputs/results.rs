@@ -336,7 +336,7 @@ results! {
     477 tangential_load: real(Unit::NewtonPerMetre, 10.0), interpolated(NEGATED),
         "Force along +x on the upper bone per unit depth, of pressure on sloping surfaces and of friction; the lower one has the opposite";
     /// About the point halfway between the bones' undeformed surfaces at x = 0.
-    478 load_moment: real(Unit::Newton, 1.0), interpolated(NEGATED),
+    478 load_moment: real(Unit::NewtonMetrePerMetre, 1.0), interpolated(NEGATED),
         "Counter-clockwise moment on the upper bone per unit depth about the middle of the contact; the lower one has the opposite";
     479 upper_force_x: real(Unit::Newton, 10.0), derived, "Force on the upper bone along +x, times width";
     480 upper_force_y: real(Unit::Newton, 1e3), derived, "Force on the upper bone along +y, away from the lower one, times width";

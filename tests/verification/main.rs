@@ -14,6 +14,7 @@ mod consolidation;
 mod derivatives;
 mod dry_contact;
 mod film_alone;
+mod geometry;
 mod harmonic_pressure;
 mod identities;
 mod joint;

@@ -122,11 +122,18 @@ impl System {
     /// Height of the middle of the deformed film at every station [m]; zero between mirror images.
     pub fn mean_height(&self, at: At<'_>, change: &Change) -> Vec<Dual64> {
         let levels = self.layers[0].mesh.levels();
-        let mean = self.layout.mean.iter().enumerate().map(|(i, number)| {
-            let undeformed: f64 = self.layers.iter().map(|layer| 0.5 * layer.mesh.nodes[i * levels][1]).sum();
-            Dual64::new(at.unknowns[*number as usize], change.unknowns[*number as usize]) + undeformed
-        });
-        if self.mirrored() { vec![Dual64::from(0.0); self.stations.len()] } else { mean.collect() }
+        let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
+        let surface = |body: usize, i: usize| self.layers[body].mesh.nodes[i * levels][1];
+        let height = |i: usize| match self.layout.mean.get(i) {
+            Some(number) => value(*number) + 0.5 * (surface(0, i) + surface(1, i)),
+            None if self.mirrored() => Dual64::from(0.0),
+            // Above a rigid counterface, which has come up by half the depth.
+            None => {
+                let depth = Dual64::new(at.inputs.penetration_depth, change.inputs.penetration_depth);
+                (value(self.layout.gap[i]) + depth) * 0.5 + (surface(0, i) - self.touching_gap[i])
+            }
+        };
+        (0..self.stations.len()).map(height).collect()
     }
 
     /// Force and moment of the pressures on the upper body: half the difference of what acts on the two bodies, so that the lower one
@@ -146,9 +153,14 @@ impl System {
             let layer = &self.layers[body];
             let [x, y] = layer.mesh.nodes[i * levels];
             let opening = value(self.layout.gap[i]) - self.touching_gap[i];
-            let mean = self.layout.mean.get(i).map_or(zero, |number| value(*number));
+            // Against a rigid counterface the unknowns are seen from there; both bones come half the way.
+            let mean = match self.layout.mean.get(i) {
+                Some(number) => value(*number),
+                None if self.mirrored() => zero,
+                None => Dual64::new(at.inputs.penetration_depth, change.inputs.penetration_depth) * 0.5,
+            };
             let sideways = if deforms { value(self.layout.horizontal[body][i * levels]) } else { zero };
-            [sideways + x, mean + opening * (0.5 * layer.side) + y]
+            [sideways + x, mean + opening * self.part(layer) + y]
         };
         let share = 1.0 / self.layers.len() as f64;
         let order = self.layers[0].mesh.pressure_order;
