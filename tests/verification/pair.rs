@@ -94,7 +94,7 @@ impl Pair {
         let mut unknowns = self.unknowns.clone();
         let settings =
             newton::Settings { tolerance: 1e-10, maximum_iterations: 40, patience: 0.0, deadline: Deadline::default() };
-        newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
+        newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap_or_else(|e| panic!("{inputs}: {e:?}"));
         self.unknowns = unknowns;
     }
 
