@@ -262,9 +262,9 @@ fn the_examples_are_cases() {
     assert_eq!((paper_mesh.parameters.mesh.columns, paper_mesh.parameters.mesh.rows), (300, 30));
     assert_eq!((paper_mesh.parameters.mesh.column_grading, paper_mesh.parameters.mesh.row_grading), (0.0, 0.0));
     assert_eq!(tissue.parameters.formulation, Formulation::Consistent);
-    // The gaps of the joints: wide, close and flat.
+    // The closest joint first; the tibia is flat.
     let gap = |case: &Case| case.parameters.upper.curvature() + case.parameters.lower.curvature();
-    assert!(gap(ankle) < gap(hip) && gap(hip) < gap(knee) && knee.parameters.lower.curvature() == 0.0);
+    assert!(gap(hip) < gap(ankle) && gap(ankle) < gap(knee) && knee.parameters.lower.curvature() == 0.0);
     assert_eq!((tissue.parameters.pressure_order, tissue.parameters.lower.permeability), (1, 1e-18));
     for case in &cases {
         Simulation::new(&case.parameters).unwrap();
