@@ -3,7 +3,7 @@
 A femoral condyle of 0.8 kg lies on a tibial plateau between collateral and cruciate ligaments. Gravity presses it down and
 a motor flexes it. MuJoCo moves the bodies with its own contacts off; FMPy runs the contact between them:
 
-    kinematics -> penetration depth, surface speeds -> FMU -> normal force and friction -> both bodies
+    kinematics -> penetration depth, surface speeds -> FMU -> forces and moment -> both bodies
 
 Forces are exchanged once a communication step and held in between, while MuJoCo takes steps of 50 microseconds.
 
@@ -41,7 +41,7 @@ from fmpy.fmi2 import FMU2Slave
 
 RADIUS = 0.1  # m, of both surfaces: the paper's
 INPUTS = ["penetration_depth", "sliding_speed", "slide_to_roll_ratio"]
-FORCES = ["normal_force", "upper_friction_force"]
+FORCES = ["upper_force_y", "upper_force_x", "upper_moment"]
 PARAMETERS = {
     "width": 0.03, "viscosity": 0.01, "mesh.columns": 60, "mesh.rows": 4, "boundary_friction_loads_tissue": False,
 }  # fmt: skip
@@ -115,10 +115,11 @@ class Joint:
 
     def step(self, size: float, forces):
         """One communication step under constant forces; returns what the FMU needs to know at its end."""
-        normal, _ = self.normal()
+        normal, distance = self.normal()
         tangent = np.array([normal[1], -normal[0]])
-        self.data.qfrc_applied[:2] = forces[0] * normal - forces[1] * tangent
-        self.data.qfrc_applied[2] = -forces[1] * RADIUS
+        self.data.qfrc_applied[:2] = forces[0] * normal + forces[1] * tangent
+        # From the middle of the contact to the centre of the condyle.
+        self.data.qfrc_applied[2] = forces[2] + forces[1] * distance / 2
         self.data.ctrl[0] = self.speed(self.data.time + size)
         mujoco.mj_step(self.model, self.data, nstep=round(size / self.model.opt.timestep))
         return self.inputs()
@@ -185,23 +186,23 @@ def explicit_step(joint: Joint, contact: Contact, size: float, forces):
 
 def implicit_step(joint: Joint, contact: Contact, size: float, forces):
     """Newton's method for the forces at the end of the step."""
-    scale = abs(forces[0]) + 1.0
+    scale = (abs(forces[0]) + 1.0) * np.array([1.0, 1.0, RADIUS])
     motion, state, time = joint.state(), contact.fmu.getFMUstate(), contact.time
     try:
         for iteration in range(1, 16):
-            by_force = np.empty((3, 2))
+            by_force = np.empty((3, 3))
             joint.restore(motion)
             inputs = joint.step(size, forces)
-            for column, change in enumerate(np.eye(2) * 1e-3 * scale):
+            for column, change in enumerate(np.diag(1e-3 * scale)):
                 joint.restore(motion)
-                by_force[:, column] = (joint.step(size, forces + change) - inputs) / (1e-3 * scale)
+                by_force[:, column] = (joint.step(size, forces + change) - inputs) / change[column]
             if iteration > 1:
                 contact.fmu.setFMUstate(state)
                 contact.time = time
             found = contact.step(size, inputs)
-            jacobian = contact.slopes() @ by_force - np.eye(2)
+            jacobian = contact.slopes() @ by_force - np.eye(3)
             change = np.linalg.solve(jacobian, forces - found)
-            if np.abs(change).max() < 1e-4 * scale:
+            if np.abs(change / scale).max() < 1e-4:
                 joint.restore(motion)
                 joint.step(size, forces)
                 return found, iteration
@@ -214,7 +215,7 @@ def implicit_step(joint: Joint, contact: Contact, size: float, forces):
 
 
 def run(make_contact, master, size: float, duration: float, speed=flexion_speed, push: float = 0.0):
-    """Rows of time, depth, normal force, friction force and contact length; the number of solutions; the stiffness at rest.
+    """Rows of time, depth, forces along and across the normal, moment and contact length; the number of solutions; the stiffness at rest.
 
     Stops where a master fails. `push`: extra depth at the start.
     """
@@ -281,7 +282,7 @@ def main(
         print("{:15} {:25.3g}   {:7.2f}   {:8.2f}   {:8.2f}".format(regime, row["stiffness"], *steps))
     print(f"tried up to {1e3 * max(explicit_sizes):g} ms explicitly, {1e3 * max(implicit_sizes):g} ms implicitly")
     for name, (rows, solutions, _) in runs.items():
-        end = f"to {1e3 * rows[-1, 0]:.1f} ms, contact length up to {1e3 * rows[:, 4].max():.2f} mm"
+        end = f"to {1e3 * rows[-1, 0]:.1f} ms, contact length up to {1e3 * rows[:, 5].max():.2f} mm"
         print(f"{name}: {len(rows) - 1} steps, {solutions} solutions of the contact, {end}")
     if picture:
         draw(picture, runs, {"small": small, "large": large}, 9.81 * Joint().model.body_mass.sum())
@@ -317,9 +318,9 @@ def draw(picture, runs, sizes, weight):
     for name, (rows, _, _) in runs.items():
         master, which = name.split(", ")
         label = f"{master}, {1e3 * sizes[which]:g} ms"
-        for axis, values in zip(axes, (1e6 * rows[:, 1], rows[:, 2], rows[:, 3], 1e3 * rows[:, 4])):
+        for axis, values in zip(axes, (1e6 * rows[:, 1], rows[:, 2], rows[:, 3], 1e3 * rows[:, 5])):
             axis.plot(1e3 * rows[:, 0], values, label=label, **style[name])
-    for axis, column, factor in zip(axes, (1, 2, 3, 4), (1e6, 1, 1, 1e3)):
+    for axis, column, factor in zip(axes, (1, 2, 3, 5), (1e6, 1, 1, 1e3)):
         good = factor * runs["explicit, small"][0][:, column]
         middle, half = (good.max() + good.min()) / 2, 0.75 * np.ptp(good) + 0.05 * abs(good).max()
         axis.set_ylim(middle - half, middle + half)
@@ -327,7 +328,7 @@ def draw(picture, runs, sizes, weight):
     axes[1].axhline(weight, color="grey", linewidth=0.8, linestyle="--")
     axes[1].annotate("weight", (1, weight), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
                      va="center", color="grey")  # fmt: skip
-    for axis, label in zip(axes, ("penetration depth [µm]", "normal force [N]", "friction force [N]", "contact length [mm]")):
+    for axis, label in zip(axes, ("penetration depth [µm]", "normal force [N]", "force along the surface [N]", "contact length [mm]")):
         axis.set_ylabel(label)
     axes[3].set_xlabel("time [ms]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False)

@@ -126,7 +126,12 @@ impl Solution<'_> {
     /// [`Inverted`] where an element is turned inside out, which a solution has none of.
     pub fn fields(&self) -> Result<Fields, Inverted> {
         let upper = self.body(0);
-        let lower = if self.system.mirrored() { upper.mirrored() } else { self.body(1) };
+        let lower = match self.system.layers.len() {
+            2 => self.body(1),
+            _ if self.system.mirrored() => upper.mirrored(),
+            // A rigid one has no fields.
+            _ => BodyFields::default(),
+        };
         Ok(Fields { inputs: *self.inputs, interface: self.interface(&upper)?, bodies: [upper, lower] })
     }
 
@@ -199,7 +204,11 @@ impl Solution<'_> {
         let contact_pressure = (0..stations).map(pressure).collect();
 
         let (upper_outflow, weight) = self.outflow(0)?;
-        let lower_outflow = if system.mirrored() { upper_outflow.clone() } else { self.outflow(1)?.0 };
+        let lower_outflow = match system.layers.len() {
+            2 => self.outflow(1)?.0,
+            _ if system.mirrored() => upper_outflow.clone(),
+            _ => vec![0.0; stations],
+        };
         let outflow: Vec<f64> = upper_outflow.iter().zip(&lower_outflow).map(|(a, b)| a + b).collect();
         let film_flux = self.film_flux(&film_thickness, &fluid_pressure, &void_thickness, &outflow, &weight);
         Ok(InterfaceFields {

@@ -13,7 +13,7 @@ const ASSUMED: f64 = 4e9;
 pub fn needed(parameters: &Parameters) -> f64 {
     let [columns, rows] = parameters.elements().map(f64::from);
     let strip = |rows: f64| columns * rows * (9e3 + 3.5e3 * rows.log2().max(0.0));
-    let mirrored = if parameters.upper == parameters.lower { strip(rows) } else { 0.0 };
+    let mirrored = if parameters.equal_bodies() { strip(rows) } else { 0.0 };
     WORKING + mirrored + strip(2.0 * rows)
 }
 

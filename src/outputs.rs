@@ -2,6 +2,7 @@
 //!
 //! `results.rs` declares the results; here they are computed.
 
+mod energy;
 mod resolution;
 mod results;
 
@@ -79,8 +80,14 @@ impl Derived<Dual64> {
             normal_force: load * parameters.width,
             upper_friction_force: friction[0] * parameters.width,
             lower_friction_force: friction[1] * parameters.width,
-            friction_coefficient: ratio_of(magnitude(friction[0]), load),
-            fluid_friction_coefficient: ratio_of(magnitude(fluid_friction[0]), fluid_load),
+            friction_coefficient: ratio_of(largest(friction), load),
+            fluid_friction_coefficient: ratio_of(largest(fluid_friction), fluid_load),
+            upper_force_x: direct.tangential_load * parameters.width,
+            upper_force_y: load * parameters.width,
+            upper_moment: direct.load_moment * parameters.width,
+            lower_force_x: -direct.tangential_load * parameters.width,
+            lower_force_y: -load * parameters.width,
+            lower_moment: -direct.load_moment * parameters.width,
             fluid_load_support: ratio_of(fluid_load, load),
             film_parameter: match parameters.surface_roughness {
                 0.0 => Dual64::from(0.0),
@@ -99,9 +106,8 @@ const STATION_GRADING: f64 = 3.0;
 /// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
 const MIXED_FILM: f64 = 3.0;
 
-/// Ratios have their denominators kept above this, so that they stay finite without load: 1e-9 N/m is a millionth of the
-/// smallest load of interest.
-const SMALLEST_LOAD: f64 = 1e-9;
+/// Below this load [N/m], the least one that has a steady state, ratios fade to nothing: bodies that are not pressed together have none.
+const SMALLEST_LOAD: f64 = 1e-6;
 
 /// A converged state of a [`System`].
 #[derive(Debug, Clone, Copy)]
@@ -177,7 +183,9 @@ impl Solved<'_> {
 
         // Friction: equations 13-15.
         let rough = system.roughness();
-        let (mut rolling, mut sliding) = (Dual64::from(0.0), Dual64::from(0.0));
+        let height = system.mean_height(self.at, change);
+        let zero = Dual64::from(0.0);
+        let (mut rolling, mut sliding, mut sliding_height, mut poiseuille) = (zero, zero, zero, zero);
         for column in 0..gap.len() / 2 {
             let local = |f: &[Dual64], shape: [f64; 3]| (0..3).map(|a| f[2 * column + a] * shape[a]).sum::<Dual64>();
             let half = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
@@ -185,7 +193,10 @@ impl Solved<'_> {
                 let h = local(&gap, quadratic(s));
                 let h = if h.re > 0.0 || rough.is_some() { h } else { Dual64::from(0.0) };
                 let film = rough.map_or(h, |rough| chain(rough.thickness(h.re), h.eps));
-                rolling += film * local(&pressure, quadratic_derivative(s)) * (0.5 * w);
+                let drop = local(&pressure, quadratic_derivative(s));
+                rolling += film * drop * (0.5 * w);
+                let factor = rough.map_or(Dual64::from(1.0), |rough| chain(rough.flow_factor(film.re), film.eps));
+                poiseuille += factor * film * film * film * drop * drop * (w / (12.0 * p.viscosity * half));
                 // Void drags nothing. Its jumps at the ends of the torn film make a parabola overshoot; straight lines do not.
                 let full = -local(&void_share, linear(s)) + 1.0;
                 let inverse = match rough {
@@ -195,12 +206,22 @@ impl Solved<'_> {
                     }
                     None => Dual64::from(1.0) / (h + p.shear_film_offset),
                 };
-                sliding += difference * full * (p.viscosity * half * w) * inverse;
+                let shear = difference * full * (p.viscosity * half * w) * inverse;
+                sliding += shear;
+                sliding_height += shear * local(&height, quadratic(s));
             }
         }
-        for [first, second] in system.film_end_shear(self.at, change) {
+        let resultant = system.resultant(self.at, change);
+        let mut beyond = zero;
+        for ([first, second], end) in system.film_end_shear(self.at, change).into_iter().zip([0, gap.len() - 1]) {
             rolling += first;
-            sliding += difference * p.viscosity * second;
+            let shear = difference * p.viscosity * second;
+            sliding += shear;
+            sliding_height += shear * height[end];
+            // Out there the slope of the mean surface is in proportion to that of the gap: int p h' dx = [p h] - int h p' dx.
+            let side = if end == 0 { -1.0 } else { 1.0 };
+            let [upper, lower] = [p.upper.curvature(), p.lower.curvature()];
+            beyond += (pressure[end] * gap[end] * side + first * 2.0) * (0.5 * (upper - lower) / (upper + lower));
         }
         let (m, slopes) =
             mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);
@@ -208,6 +229,19 @@ impl Solved<'_> {
         let rubbing = loads.solid + loads.fluid_in_contact * p.solid_fraction;
         let boundary = rubbing * mobilised * p.boundary_friction_coefficient;
         let fluid_friction = [rolling + sliding, -rolling + sliding];
+        let rubbing_height = resultant.rubbing_height * mobilised * p.boundary_friction_coefficient;
+
+        let tissue = self.tissue_energy(change, speeds);
+        let tangential_load = resultant.on_slopes + beyond - sliding - boundary;
+        let load_moment = resultant.moment + sliding_height + rubbing_height;
+        // Each bone turns about the centre of its undeformed surface, so that this one has the surface's speed.
+        let rotation_power = [(p.upper.curvature(), speeds[0], -1.0), (p.lower.curvature(), speeds[1], 1.0)]
+            .into_iter()
+            .map(|(curvature, speed, sign)| {
+                let turning = load_moment * -curvature;
+                speed * (turning + tangential_load * sign * (-depth * (0.5 * curvature) + 1.0))
+            })
+            .sum::<Dual64>();
 
         let (least, position) = extremum(&gap, &system.stations, -1.0);
         let (least, position) = match self.at.active.iter().position(|a| *a) {
@@ -255,6 +289,14 @@ impl Solved<'_> {
         let direct = Direct {
             fluid_load: loads.fluid,
             solid_load: loads.solid,
+            tangential_load,
+            load_moment,
+            rotation_power: rotation_power * p.width,
+            film_dissipation: (poiseuille + sliding * difference) * p.width,
+            pore_flow_dissipation: tissue.pores * p.width,
+            boundary_friction_dissipation: boundary * difference * p.width,
+            carried_power: (tissue.carried + system.film_end_power(self.at, change) - beyond * difference) * p.width,
+            stored_elastic_energy: tissue.stored * p.width,
             minimum_film_thickness: least,
             minimum_film_position: position,
             central_film_thickness: if self.at.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
@@ -348,13 +390,25 @@ fn linear(s: f64) -> [f64; 3] {
     if s < 0.0 { [-s, 1.0 + s, 0.0] } else { [0.0, 1.0 - s, s] }
 }
 
+/// |a|, with the mean of its two slopes where it is zero.
 fn magnitude(a: Dual64) -> Dual64 {
-    if a.re < 0.0 { -a } else { a }
+    a * if a.re == 0.0 { 0.0 } else { a.re.signum() }
 }
 
-/// A ratio of loads that stays finite without load.
-fn ratio_of(a: Dual64, b: Dual64) -> Dual64 {
-    a / if b.re > SMALLEST_LOAD { b } else { Dual64::from(SMALLEST_LOAD) }
+/// The larger magnitude of two friction forces, as the magnitudes of their rolling and of their sliding part together.
+fn largest([upper, lower]: [Dual64; 2]) -> Dual64 {
+    (magnitude(upper - lower) + magnitude(upper + lower)) * 0.5
+}
+
+/// A share of a load or a ratio to it; 0 without load, where suction holds the bodies or nothing does.
+fn ratio_of(a: Dual64, load: Dual64) -> Dual64 {
+    if load.re >= SMALLEST_LOAD {
+        a / load
+    } else if load.re > 0.0 {
+        a * load / SMALLEST_LOAD.powi(2)
+    } else {
+        Dual64::from(0.0)
+    }
 }
 
 /// Largest (`sign` = 1) or smallest (-1) value of a quadratic field of the interface, and where it is.

@@ -17,7 +17,7 @@ pub use table::{Kind, PARAMETERS, Parameter, Value, find};
 /// One cartilage layer on its bone.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Body {
-    /// Radius of the articular surface [m].
+    /// Radius of the articular surface [m]: negative where it is concave, 0 where it is flat.
     pub outer_radius: f64,
     /// Thickness of the layer [m].
     pub thickness: f64,
@@ -133,12 +133,16 @@ pub struct Parameters {
     pub upper: Body,
     /// The body below the film.
     pub lower: Body,
+    /// Whether the lower body is rigid and impermeable, such as glass or metal, and its tissue of no account.
+    pub rigid_lower: bool,
     /// Half the angle of the sector that is modelled [rad]; of the body with the smaller radius. 0: it goes with the contact.
     pub sector_half_angle: f64,
     /// Extent out of the plane [m]: turns forces per unit depth into forces.
     pub width: f64,
     /// Dynamic viscosity of the fluid [Pa s].
     pub viscosity: f64,
+    /// Viscosity of the fluid in the pores [Pa s]; 0: that of the film.
+    pub pore_viscosity: f64,
     /// Compressibility of the fluid [1/Pa].
     pub fluid_compressibility: f64,
     /// Friction coefficient of drained solid on solid [1].
@@ -237,9 +241,11 @@ impl Default for Parameters {
         Self {
             upper: body,
             lower: body,
+            rigid_lower: false,
             sector_half_angle: std::f64::consts::PI / 36.0,
             width: 1.0,
             viscosity: 1e-3,
+            pore_viscosity: 0.0,
             fluid_compressibility: 1e-10,
             boundary_friction_coefficient: 0.45,
             boundary_friction_loads_tissue: true,
@@ -320,6 +326,9 @@ impl Inputs {
     }
 }
 
+/// Least sum of the two curvatures [1/m].
+const LEAST_CURVATURE: f64 = 1e-3;
+
 impl Default for Inputs {
     /// Ten micron of clearance at the paper's speed; a load at which the paper's layers have a full film.
     fn default() -> Self {
@@ -337,7 +346,29 @@ impl std::fmt::Display for Inputs {
     }
 }
 
+impl Body {
+    /// Curvature of the articular surface, positive where it is convex [1/m].
+    pub fn curvature(&self) -> f64 {
+        if self.outer_radius == 0.0 { 0.0 } else { 1.0 / self.outer_radius }
+    }
+}
+
 impl Parameters {
+    /// Hydraulic permeability of a body's undeformed tissue [m^4/(N s)].
+    pub fn hydraulic_permeability(&self, body: &Body) -> f64 {
+        body.permeability / self.viscosity_in_pores()
+    }
+
+    /// Viscosity of the fluid in the pores [Pa s].
+    pub fn viscosity_in_pores(&self) -> f64 {
+        if self.pore_viscosity == 0.0 { self.viscosity } else { self.pore_viscosity }
+    }
+
+    /// Whether the two bodies are equal, so that one may be the mirror image of the other.
+    pub fn equal_bodies(&self) -> bool {
+        self.upper == self.lower && !self.rigid_lower
+    }
+
     /// Elements along the surface and through the thickness, also where their numbers are left to the program.
     pub fn elements(&self) -> [i32; 2] {
         const COLUMNS: i32 = 96;
@@ -381,7 +412,23 @@ impl Parameters {
                 "0 with smooth surfaces; or surface_roughness above 0",
             ));
         }
+        let curvature = self.upper.curvature() + self.lower.curvature();
+        if curvature < LEAST_CURVATURE {
+            return Err(Error::value(
+                "lower.outer_radius",
+                self.lower.outer_radius,
+                format!(
+                    "with upper.outer_radius {} one that leaves a gap beside the point of contact: 1/upper + 1/lower of {LEAST_CURVATURE} 1/m or more",
+                    self.upper.outer_radius
+                ),
+            ));
+        }
         for (name, body) in [("upper", &self.upper), ("lower", &self.lower)] {
+            if body.outer_radius != 0.0 && body.outer_radius.abs() < 1e-3 {
+                let allowed =
+                    "1e-3 m or more for a convex surface, -1e-3 m or less for a concave one, or 0 for a flat one";
+                return Err(Error::value(&format!("{name}.outer_radius"), body.outer_radius, allowed));
+            }
             if self.formulation == Formulation::Paper && body.biot_coefficient == 0.0 {
                 return Err(Error::value(
                     &format!("{name}.biot_coefficient"),
@@ -442,7 +489,7 @@ impl Parameters {
                     ));
                 }
             }
-            if body.thickness >= 0.5 * body.outer_radius {
+            if body.thickness * body.curvature() >= 0.5 {
                 return Err(Error::value(
                     &format!("{name}.thickness"),
                     body.thickness,

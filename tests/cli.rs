@@ -268,14 +268,17 @@ fn the_examples_are_cases() {
         .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
         .collect();
     names.sort();
-    assert_eq!(names.len(), 3, "{names:?}");
+    assert_eq!(names.len(), 6, "{names:?}");
     let cases: Vec<_> = names.iter().map(|path| Case::load(path).unwrap()).collect();
-    let [paper, paper_mesh, tissue] = &cases[..] else { panic!("three cases") };
+    let [ankle, hip, knee, paper, paper_mesh, tissue] = &cases[..] else { panic!("six cases") };
 
     assert_eq!(paper.parameters, Parameters::default(), "Table 2 is the default");
     assert_eq!((paper_mesh.parameters.mesh.columns, paper_mesh.parameters.mesh.rows), (300, 30));
     assert_eq!((paper_mesh.parameters.mesh.column_grading, paper_mesh.parameters.mesh.row_grading), (0.0, 0.0));
     assert_eq!(tissue.parameters.formulation, Formulation::Consistent);
+    // The closest joint first; the tibia is flat.
+    let gap = |case: &Case| case.parameters.upper.curvature() + case.parameters.lower.curvature();
+    assert!(gap(hip) < gap(ankle) && gap(ankle) < gap(knee) && knee.parameters.lower.curvature() == 0.0);
     assert_eq!((tissue.parameters.pressure_order, tissue.parameters.lower.permeability), (1, 1e-18));
     for case in &cases {
         Simulation::new(&case.parameters).unwrap();

@@ -393,6 +393,10 @@ fn numbers(o: &Outputs) -> Vec<(&'static str, f64)> {
         ("solid_load", o.solid_load),
         ("upper_friction_force", o.upper_friction_force),
         ("lower_friction_force", o.lower_friction_force),
+        ("upper_force_x", o.upper_force_x),
+        ("upper_moment", o.upper_moment),
+        ("stored_elastic_energy", o.stored_elastic_energy),
+        ("pore_flow_dissipation", o.pore_flow_dissipation),
         ("friction_coefficient", o.friction_coefficient),
         ("fluid_load_support", o.fluid_load_support),
         ("minimum_film_thickness", o.minimum_film_thickness),
@@ -414,9 +418,40 @@ fn size(name: &str, o: &Outputs) -> f64 {
         n if n.contains("thickness") || n.contains("length") || n == "penetration_depth" => MICRON,
         n if n.contains("pressure") || n.contains("stress") => o.maximum_fluid_pressure.abs(),
         n if n.contains("force") => o.load.abs() * o.friction_coefficient,
+        "stored_elastic_energy" => o.stored_elastic_energy,
+        "pore_flow_dissipation" => o.pore_flow_dissipation,
+        n if n.contains("moment") => 1e-3 * o.load.abs(),
         n if n.ends_with("load") => o.load.abs(),
         n if n.contains("exudation") => o.fluid_exudation,
         _ => 1.0,
+    }
+}
+
+/// Bodies that are drawn apart hang on the film's suction: ratios to a load that is none are 0, and forces and moments stay.
+#[test]
+fn suction_has_no_friction_coefficient() {
+    for rms in [0.0, 0.5e-6] {
+        let parameters = Parameters { surface_roughness: rms, ..coarse(Formulation::Consistent, Control::Depth) };
+        let mut simulation = Simulation::new(&parameters).unwrap();
+        let mut inputs = depth(6.0, 0.1);
+        simulation.solve_steady(inputs).unwrap();
+        assert!(simulation.outputs().friction_coefficient > 1e-4);
+        inputs.approach_speed = -2e-3;
+        let mut least = f64::INFINITY;
+        for _ in 0..8 {
+            simulation.advance(Drive::constant(inputs), 1e-3).unwrap();
+            inputs.penetration_depth -= 2e-6;
+            let o = simulation.outputs();
+            least = least.min(o.load);
+            println!("{} {} {}", o.load, o.friction_coefficient, o.fluid_load_support);
+            let ratios =
+                [o.friction_coefficient, o.fluid_friction_coefficient, o.fluid_load_support, o.sommerfeld_number];
+            assert!(ratios.iter().all(|ratio| ratio.abs() < 10.0), "{ratios:?} at {} N/m", o.load);
+            if o.load <= 0.0 {
+                assert!(o.friction_coefficient == 0.0 && o.fluid_load_support == 0.0 && o.upper_force_y < 0.0);
+            }
+        }
+        assert!(least < -1.0, "{least} N/m");
     }
 }
 
@@ -484,6 +519,93 @@ fn derivatives_of_the_discrete_step() {
                 );
             }
         }
+    }
+}
+
+/// A cycle of load and speed, with a reversal: what the bones put in is what film, pores and friction lose, what is stored and what leaves
+/// the sector, in sum over the cycle and at every instant. The load's power and the storage's rate are the derivatives by time.
+#[test]
+fn the_work_of_a_cycle_is_accounted_for() {
+    for ratio in [0.0, 0.4] {
+        let parameters = Parameters {
+            mesh: Mesh { columns: 60, rows: 5, column_grading: 2.5, row_grading: 2.0 },
+            ..coarse(Formulation::Consistent, Control::Load)
+        };
+        let (period, steps) = (0.8, 24);
+        let at = |step: u32| {
+            let phase = 2.0 * std::f64::consts::PI * f64::from(step) / f64::from(steps);
+            let load = load(30.0 - 15.0 * phase.cos() - 5.0 * (2.0 * phase).cos(), 0.06 + 0.14 * phase.cos());
+            Inputs { slide_to_roll_ratio: ratio, ..load }
+        };
+        let mut simulation = Simulation::new(&parameters).unwrap();
+        simulation.solve_steady(at(0)).unwrap();
+        let step = period / f64::from(steps);
+        // Put in by rotation and by the load; lost in film, pores and friction; carried off; stored.
+        let mut work = [0.0; 7];
+        let mut worst = (0.0_f64, 0.0_f64);
+        for i in 0..steps {
+            simulation.advance(between(at(i), at(i + 1), step), step).unwrap();
+            let (o, rates) = (simulation.outputs().clone(), simulation.rates().unwrap());
+            let powers = [
+                o.rotation_power,
+                o.normal_force * rates.penetration_depth,
+                o.film_dissipation,
+                o.pore_flow_dissipation,
+                o.boundary_friction_dissipation,
+                o.carried_power,
+                rates.stored_elastic_energy,
+            ];
+            let missing = powers[0] + powers[1] - powers[2..].iter().sum::<f64>();
+            worst = (worst.0.max(missing.abs()), worst.1.max(powers[0].abs() + powers[1].abs()));
+            work.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power * step);
+        }
+        let missing = work[0] + work[1] - work[2..].iter().sum::<f64>();
+        println!("{ratio}: {work:?} J/m, missing {missing}; at an instant {:?} W/m", worst);
+        assert!(missing.abs() < 0.01 * (work[2] + work[3] + work[4]), "{work:?}");
+    }
+}
+
+/// The contact stiffness in time against central differences of the step, 1e-4; from a tolerance to the next it changes by what the
+/// step itself does.
+#[test]
+fn contact_stiffness_is_that_of_the_step() {
+    let mut found = Vec::new();
+    for control in [Control::Depth, Control::Load] {
+        for relative_tolerance in [1e-2, 1e-3, 1e-4, 1e-5] {
+            let parameters = Parameters {
+                tolerance: 1e-11,
+                relative_tolerance,
+                width: 0.5,
+                ..coarse(Formulation::Consistent, control)
+            };
+            let mut simulation = Simulation::new(&parameters).unwrap();
+            let (first, then) =
+                (Inputs { applied_load: 40.0, ..depth(8.0, 0.2) }, Inputs { applied_load: 45.0, ..depth(9.0, 0.2) });
+            simulation.solve_steady(first).unwrap();
+            simulation.advance(between(first, then, 5e-3), 5e-3).unwrap();
+            let start = simulation.snapshot();
+            let mut ahead = |s: f64| {
+                simulation.restore(&start).unwrap();
+                let more = match control {
+                    Control::Depth => Inputs { penetration_depth: s * 1e-9, ..Inputs::NONE },
+                    Control::Load => Inputs { applied_load: s * 1e-2, ..Inputs::NONE },
+                };
+                let from = then.combined(&more, |a, b| a + b);
+                simulation
+                    .advance(Drive { inputs: from, rates: Inputs { penetration_depth: 1e-4, ..Inputs::NONE } }, 5e-3)
+                    .unwrap();
+                (simulation.outputs().clone(), simulation.contact_stiffness().unwrap())
+            };
+            let (plus, minus, (_, stiffness)) = (ahead(1.0).0, ahead(-1.0).0, ahead(0.0));
+            let difference =
+                (plus.normal_force - minus.normal_force) / (plus.penetration_depth - minus.penetration_depth);
+            println!("{control:?}, tolerance {relative_tolerance}: {stiffness:e} N/m, by differences {difference:e}");
+            assert!((stiffness / difference - 1.0).abs() < 1e-4, "{stiffness:e} {difference:e}");
+            found.push(stiffness);
+        }
+    }
+    for of_control in found.chunks_exact(4) {
+        assert!((of_control[2] / of_control[3] - 1.0).abs() < 0.02, "{of_control:?}");
     }
 }
 

@@ -9,12 +9,23 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::Failure;
 
+/// Joints by name, with their case files.
+const JOINTS: [(&str, &str); 3] = [
+    ("ankle", include_str!("../../examples/ankle.toml")),
+    ("hip", include_str!("../../examples/hip.toml")),
+    ("knee", include_str!("../../examples/knee.toml")),
+];
+
 /// Where the case comes from.
 #[derive(clap::Args)]
 pub struct CaseArguments {
     /// Parameters of a tissue to start from; `cartilage-contact presets` lists their values and sources
     #[arg(long, value_name = "NAME", value_parser = preset_names())]
     preset: Option<String>,
+
+    /// Shapes, tissue and fluid of a joint to start from: the case file of that name in `examples`
+    #[arg(long, value_name = "NAME", conflicts_with = "case", value_parser = JOINTS.map(|(name, _)| name))]
+    joint: Option<String>,
 
     /// Case file (TOML): keys are the names of the variables
     #[arg(long, value_name = "FILE.toml")]
@@ -27,12 +38,14 @@ pub struct CaseArguments {
 }
 
 impl CaseArguments {
-    /// The preset, then the case file, then what was set.
+    /// The preset, then the joint or the case file, then what was set.
     pub fn load(&self) -> Result<Case, Failure> {
-        let mut case = match &self.case {
+        let joint = JOINTS.into_iter().find(|(name, _)| self.joint.as_deref() == Some(*name));
+        let mut case = match (&self.case, joint) {
+            (None, Some((name, text))) => Case::parse(name, text)?,
             // A file that is not there is a mistake of whoever named it.
-            Some(path) => Case::load(path).map_err(|error| Failure::Usage(error.to_string()))?,
-            None => Case::default(),
+            (Some(path), _) => Case::load(path).map_err(|error| Failure::Usage(error.to_string()))?,
+            (None, None) => Case::default(),
         };
         if let Some(name) = &self.preset {
             // In place of the file's own preset; what the file sets by name stays.
@@ -100,6 +113,15 @@ pub fn numbers(flag: &str, unit: Unit, text: &str) -> Result<Vec<f64>, Failure> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_joints_are_cases_with_a_gap_beside_the_contact() {
+        for (name, text) in JOINTS {
+            let case = Case::parse(name, text).unwrap();
+            case.parameters.validate().unwrap();
+            assert!(case.parameters.pore_viscosity > 0.0 && case.inputs.applied_load > 0.0, "{name}");
+        }
+    }
 
     #[test]
     fn words_of_the_command_line_become_values() {

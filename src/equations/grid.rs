@@ -24,7 +24,7 @@ pub fn moves(parameters: &Parameters) -> bool {
 
 /// Sum of the two curvatures [1/m].
 fn curvature(parameters: &Parameters) -> f64 {
-    1.0 / parameters.upper.outer_radius + 1.0 / parameters.lower.outer_radius
+    parameters.upper.curvature() + parameters.lower.curvature()
 }
 
 /// delta R/a^2 = d/(c a^2) with the sum of curvatures c, of the table for Poisson's ratio 1/2 at a/t = 1, 2, 4, within 2 %; 1/6 is the
@@ -36,7 +36,8 @@ fn indentation(parameters: &Parameters, a: f64) -> f64 {
 /// Half-width at which a load [N/m] is carried: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
 /// strain up to a/t = 6.
 fn half_width_under(parameters: &Parameters, load: f64) -> f64 {
-    let modulus = 2.0 / (1.0 / parameters.upper.mean_shear_modulus() + 1.0 / parameters.lower.mean_shear_modulus());
+    let lower = if parameters.rigid_lower { 0.0 } else { 1.0 / parameters.lower.mean_shear_modulus() };
+    let modulus = 2.0 / (1.0 / parameters.upper.mean_shear_modulus() + lower);
     let carried = |a: f64| {
         let ratio = a / thickness(parameters);
         0.5 * curvature(parameters) * modulus * a * a * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
@@ -51,7 +52,13 @@ pub fn depth_under(parameters: &Parameters, load: f64) -> f64 {
 
 /// Mean thickness of the layers [m].
 fn thickness(parameters: &Parameters) -> f64 {
-    0.5 * (parameters.upper.thickness + parameters.lower.thickness)
+    let upper = parameters.upper.thickness;
+    if parameters.rigid_lower { upper } else { 0.5 * (upper + parameters.lower.thickness) }
+}
+
+/// Part of the approach that a layer takes: half, or all against a rigid counterface.
+pub fn part(parameters: &Parameters) -> f64 {
+    if parameters.rigid_lower { 1.0 } else { 0.5 }
 }
 
 /// Half the width, in the undeformed layers, of the contact that these inputs are expected to make, by their depth or by their load [m]; where the bones are apart, the
@@ -76,7 +83,7 @@ pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs, control: Con
     };
     /// Of the edges of the contact in undeformed layers, where the film's pressure begins: computed at finite strain, 10 to 50 % compression.
     const SPREADING: f64 = 0.57;
-    let flattened = 0.5 * indentation(parameters, pressed) / thickness(parameters);
+    let flattened = part(parameters) * indentation(parameters, pressed) / thickness(parameters);
     (pressed / (1.0 + SPREADING * flattened)).hypot(apart.sqrt())
 }
 
@@ -94,11 +101,14 @@ fn root(f: impl Fn(f64) -> f64, value: f64) -> f64 {
 pub fn half_width(parameters: &Parameters, contact: f64) -> f64 {
     /// Beyond the contact, in its half-widths and in thicknesses.
     const BEYOND: [f64; 2] = [1.0, 6.0];
-    let radius = parameters.upper.outer_radius.min(parameters.lower.outer_radius);
+    let radius = 1.0 / parameters.upper.curvature().abs().max(parameters.lower.curvature().abs());
     if parameters.sector_half_angle > 0.0 {
         return radius * parameters.sector_half_angle.sin();
     }
-    let thickness = parameters.upper.thickness.max(parameters.lower.thickness);
+    let thickness = match parameters.rigid_lower {
+        true => parameters.upper.thickness,
+        false => parameters.upper.thickness.max(parameters.lower.thickness),
+    };
     (contact * (1.0 + BEYOND[0]) + BEYOND[1] * thickness).min(LARGEST_ANGLE.sin() * radius)
 }
 
@@ -135,8 +145,8 @@ fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
 /// Thickness of the layer below the surface within which fluid flows while the tissue passes the contact, sqrt(k M l/v), over that of
 /// the whole layer; l = three thicknesses, v = 0.1 m/s.
 fn surface_layer(parameters: &Parameters, body: &Body) -> f64 {
-    let permeability = body.permeability * body.surface.permeability;
-    let consolidation = permeability / parameters.viscosity * body.surface_aggregate_modulus();
+    let permeability = parameters.hydraulic_permeability(body) * body.surface.permeability;
+    let consolidation = permeability * body.surface_aggregate_modulus();
     (consolidation * 3.0 / (0.1 * body.thickness)).sqrt()
 }
 
@@ -170,8 +180,11 @@ impl Grid {
             let grading = if by_contact { row_grading(p, body, rows) } else { p.mesh.row_grading };
             quadratic_stations(rows as usize, |j| graded(j as f64 / f64::from(rows), grading))
         });
-        let height = |radius: f64, x: f64| x * x / radius / (1.0 + (1.0 - (x / radius).powi(2)).sqrt());
-        let touching = |x: &f64| height(p.upper.outer_radius, *x) + height(p.lower.outer_radius, *x);
+        let height = |body: &Body, x: f64| {
+            let sine = x * body.curvature();
+            x * sine / (1.0 + (1.0 - sine * sine).sqrt())
+        };
+        let touching = |x: &f64| height(&p.upper, *x) + height(&p.lower, *x);
         Self { touching_gap: stations.iter().map(touching).collect(), stations, depths }
     }
 }

@@ -165,20 +165,22 @@ impl LayerMesh {
         first.into_iter().chain(last).flatten()
     }
 
-    /// A cartilage layer on the outside of a circle that touches y = 0 at x = 0 from above (`side` = 1) or from below (-1).
+    /// A cartilage layer on the outside of a circle that touches y = 0 at x = 0 from above (`side` = 1) or from below (-1); on its inside
+    /// where the radius is negative, and a flat one where it is infinite.
     ///
     /// `stations` are the x of the surface nodes [m], `depths` the distances of the levels from the surface [m].
     pub fn sector(stations: &[f64], depths: &[f64], radius: f64, side: f64, pressure_order: i32) -> Self {
+        let curvature = 1.0 / radius;
         Self::new(
             [stations.len() / 2, depths.len() / 2],
             pressure_order,
             |i, j| {
-                let sine = stations[i] / radius;
-                // 1 - cos without cancellation
-                let versine = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
-                [(radius - depths[j]) * sine, side * (radius * versine + depths[j] * (1.0 - versine))]
+                let (x, sine) = (stations[i], stations[i] * curvature);
+                // (1 - cos)/sin without cancellation
+                let half_tangent = sine / (1.0 + (1.0 - sine * sine).sqrt());
+                [x - depths[j] * sine, side * (x * half_tangent + depths[j] * (1.0 - sine * half_tangent))]
             },
-            |[x, y]| [1.0 - side * y / radius, side * x / radius],
+            |[x, y]| [1.0 - side * y * curvature, side * x * curvature],
         )
     }
 

@@ -54,7 +54,7 @@ pub static MEASURED: [Measured; 4] = [
     Measured {
         name: "hydraulic_permeability",
         unit: Unit::MetreToTheFourthPerNewtonSecond,
-        description: "Permeability over viscosity, in place of permeability",
+        description: "Permeability over viscosity of the fluid in the pores, in place of permeability",
         minimum: 1e-21,
         maximum: 1e-6,
         stands_for: PERMEABILITY,
@@ -183,7 +183,7 @@ impl Given {
                     return refuse(HYDRAULIC, given, format!("beside {body}.permeability; give one of them"));
                 }
                 let (hydraulic, assignment) = given;
-                let intrinsic = hydraulic * parameters.viscosity;
+                let intrinsic = hydraulic * parameters.viscosity_in_pores();
                 set(parameters, &format!("{body}.permeability"), intrinsic).map_err(|error| (assignment, error))?;
             }
         }

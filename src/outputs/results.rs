@@ -83,6 +83,7 @@ impl Interpolation {
 }
 
 const KEPT: Interpolation = Interpolation::new(Mirror::Kept);
+const NEGATED: Interpolation = Interpolation::new(Mirror::Negated);
 const PLACE: Interpolation = Interpolation::new(Mirror::Place);
 
 /// One row of [`RESULTS`].
@@ -308,7 +309,7 @@ macro_rules! results {
     };
 }
 
-// Value references: 477 and on are free for all variables, those from 1000 for profiles, which take 101 each. Those of variables that
+// Value references: 485 and on are free for all variables, those from 1000 for profiles, which take 101 each. Those of variables that
 // are no more are in variables.rs.
 results! {
     /// L = L_f + L_s.
@@ -324,13 +325,27 @@ results! {
     /// T_2 of equation 13.
     10 lower_friction_force: real(Unit::Newton, 10.0), derived,
         "Traction on the lower body, positive along +x, times width";
-    /// mu = |T_1| / L, equation 13.
+    /// mu = max(|T_1|, |T_2|) / L, equation 13.
     11 friction_coefficient: real(Unit::One, 1e-2), derived,
-        "Magnitude of the upper friction force over the normal force";
-    /// mu_f = |T_f1| / L_f.
+        "Larger of the two friction forces over the normal force: rolling and sliding friction together; 0 where nothing is pressed together";
+    /// mu_f = max(|T_f1|, |T_f2|) / L_f.
     12 fluid_friction_coefficient: real(Unit::One, 1e-2), derived,
-        "Magnitude of the fluid's friction on the upper body over the fluid load";
-    13 fluid_load_support: real(Unit::One, 1.0), derived, "Fluid load over load";
+        "Larger of the fluid's friction on the two bodies over the fluid load; 0 where the fluid pulls";
+    13 fluid_load_support: real(Unit::One, 1.0), derived, "Fluid load over load; 0 where nothing is pressed together";
+    /// Of pressure on slopes, contact and shear together; with the load that of each bone's reaction.
+    477 tangential_load: real(Unit::NewtonPerMetre, 10.0), interpolated(NEGATED),
+        "Force along +x on the upper bone per unit depth, of pressure on sloping surfaces and of friction; the lower one has the opposite";
+    /// About the point halfway between the bones' undeformed surfaces at x = 0.
+    478 load_moment: real(Unit::NewtonMetrePerMetre, 1.0), interpolated(NEGATED),
+        "Counter-clockwise moment on the upper bone per unit depth about the middle of the contact; the lower one has the opposite";
+    479 upper_force_x: real(Unit::Newton, 10.0), derived, "Force on the upper bone along +x, times width";
+    480 upper_force_y: real(Unit::Newton, 1e3), derived, "Force on the upper bone along +y, away from the lower one, times width";
+    481 upper_moment: real(Unit::NewtonMetre, 1.0), derived,
+        "Counter-clockwise moment on the upper bone about the middle of the contact, times width";
+    482 lower_force_x: real(Unit::Newton, 10.0), derived, "Force on the lower bone along +x, times width";
+    483 lower_force_y: real(Unit::Newton, 1e3), derived, "Force on the lower bone along +y, towards the upper one, times width";
+    484 lower_moment: real(Unit::NewtonMetre, 1.0), derived,
+        "Counter-clockwise moment on the lower bone about the middle of the contact, times width";
     14 minimum_film_thickness: real(Unit::Metre, 1e-6), interpolated(KEPT.hopping().never_negative()),
         "Least distance of the deformed surfaces; 0 in contact";
     15 minimum_film_position: real(Unit::Metre, 1e-3), interpolated(PLACE.hopping()),
@@ -351,7 +366,7 @@ results! {
         "Largest von Mises stress of the tissue's solid part";
     /// eta U / L.
     22 sommerfeld_number: real(Unit::One, 1e-7), derived,
-        "Viscosity times sliding speed over load per unit depth: abscissa of the Stribeck curve";
+        "Viscosity times sliding speed over load per unit depth: abscissa of the Stribeck curve; 0 where nothing is pressed together";
     23 contact_stiffness: stiffness(Unit::NewtonPerMetre, 1e8), beside,
         "Rate of change of the normal force with penetration depth";
     /// Integral of max(V, 0).
@@ -377,6 +392,14 @@ results! {
     524 mesh_columns: integer, absent, "Elements along the surface of these results";
     525 mesh_rows: integer, absent, "Elements through the thickness of these results";
     526 mesh_half_width: real(Unit::Metre, 1e-2), absent, "Half the width of the modelled interface of these results";
+    /// With the power of the load, [`Self::normal_force`] times the rate of the depth, it is what the bones put in.
+    527 rotation_power: real(Unit::Watt, 1e-2), absent,
+        "Power that the turning bones put in, with their surfaces at the surface speeds, times width";
+    528 film_dissipation: real(Unit::Watt, 1e-2), absent, "Power lost in the film by its pressure flow and by sliding, times width";
+    529 pore_flow_dissipation: real(Unit::Watt, 1e-2), absent, "Power lost by flow through the pores of the tissue, times width";
+    530 boundary_friction_dissipation: real(Unit::Watt, 1e-2), absent, "Power lost by friction of solid on solid, times width";
+    531 carried_power: real(Unit::Watt, 1e-3), absent, "Power that moving tissue and film carry out of the modelled sector, times width";
+    532 stored_elastic_energy: real(Unit::Joule, 1e-2), absent, "Elastic energy of the tissue's solid part, times width";
 
     30 position: position(Unit::Metre, 1e-3), beside, "Place along x from the middle of the contact";
     131 film_thickness: profile(Unit::Metre, 1e-6), interpolated(KEPT.never_negative()), "Film thickness";

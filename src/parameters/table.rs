@@ -238,7 +238,8 @@ macro_rules! body_rows {
 }
 
 static BODY_ROWS: [Parameter; 12] = body_rows! {
-    [434, 435] outer_radius: real(Unit::Metre, 1e-3, 1e3, 0.1), "Radius of the undeformed articular surface";
+    [434, 435] outer_radius: real(Unit::Metre, -1e3, 1e3, 0.1),
+        "Radius of the undeformed articular surface, below 0 for a concave and 0 for a flat one,";
     [436, 437] thickness: real(Unit::Metre, 1e-5, 1e-1, 1e-3), "Thickness of the cartilage layer";
     [438, 439] shear_modulus: real(Unit::Pascal, 1e2, 1e10, 1e6), "Drained shear modulus";
     [440, 441] bulk_modulus: real(Unit::Pascal, 1e2, 1e10, 1e6), "Drained bulk modulus";
@@ -353,7 +354,11 @@ static SOLID_ROWS: [Parameter; 10] = body_rows! {
         "Coefficient of the exponential in the fibres' strain energy, 0 for a power law,";
 };
 
-static WORK_ROWS: [Parameter; 1] = rows! {
+static WORK_ROWS: [Parameter; 3] = rows! {
+    509 pore_viscosity: real(Unit::PascalSecond, 0.0, 1e3, 1e-3),
+        "Dynamic viscosity of the fluid in the pores of the tissue; 0 is that of the film";
+    510 "lower.rigid" at rigid_lower: boolean,
+        "Whether the lower body is rigid and impermeable, such as glass: only its outer_radius counts";
     508 maximum_solve_time: real(Unit::Second, 0.0, 1e9, 1e2),
         "After so long a solution is given up and the last one kept; 0 is never";
 };

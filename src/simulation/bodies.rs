@@ -120,7 +120,7 @@ pub(super) struct Bodies {
 
 impl Bodies {
     pub fn new(parameters: &Parameters) -> Self {
-        let equal = parameters.upper == parameters.lower;
+        let equal = parameters.equal_bodies();
         let system = System::new(
             parameters,
             equal,

@@ -7,15 +7,6 @@ use crate::equations::system::{Change, Contents, Direction, Rates};
 use crate::outputs::{Outputs, Solved};
 use crate::parameters::Control;
 
-/// Derivatives of the results of a state.
-#[derive(Debug)]
-pub(super) struct Derivatives {
-    /// By the inputs, in the order of [`Input::ALL`].
-    pub by_input: Vec<Outputs>,
-    /// By the penetration depth, whether or not that is given.
-    pub by_depth: Outputs,
-}
-
 /// What is asked of a solution: a change of inputs and history, and of the load where that is given.
 struct Cause {
     direction: Direction,
@@ -23,7 +14,7 @@ struct Cause {
     history: Option<Contents>,
 }
 
-/// Changes of a solution with their causes, and last that with the depth. The tangent is factorised first.
+/// Changes of a solution with their causes. The tangent is factorised first.
 fn changes(
     bodies: &mut Bodies,
     point: &Point,
@@ -41,11 +32,12 @@ fn changes(
     };
     let causes = causes.into_iter().map(given).chain([(Direction::UNIT[0], None)]).collect();
     let mut changes = system.respond(point.at(rates), causes).map_err(|singular| singular.to_string())?;
-    if let (true, Some((by_depth, others))) = (loaded, changes.split_last_mut()) {
+    let by_depth = changes.pop().ok_or("there is nothing to differentiate")?;
+    if loaded {
         // The depth follows so that the load changes as it is told to.
         let at = point.at(rates);
-        let stiffness = system.loads(at, by_depth).total().eps;
-        for (change, load) in others.iter_mut().zip(loads) {
+        let stiffness = system.loads(at, &by_depth).total().eps;
+        for (change, load) in changes.iter_mut().zip(loads) {
             let approach = (load - system.loads(at, change).total().eps) / stiffness;
             change.inputs.penetration_depth = approach;
             let add = |values: &mut [f64], slope: &[f64]| {
@@ -58,28 +50,27 @@ fn changes(
     Ok(changes)
 }
 
-/// Derivatives of the results, from changes of their solution that end with that by the depth.
+/// Derivatives of the results, from changes of their solution.
 fn results(bodies: &mut Bodies, point: &Point, rates: Option<&Rates>, changes: &[Change]) -> Vec<Outputs> {
     let parameters = bodies.parameters;
     let solved = Solved { system: bodies.system_of(point), parameters: &parameters, at: point.at(rates) };
     changes.iter().map(|change| solved.derivatives(change)).collect()
 }
 
-/// By the inputs during the last step, held as they were but for a constant difference: derivatives of the steady state, or of the
+/// By the inputs in the order of [`Input::ALL`] during the last step, held as they were but for a constant difference: derivatives of the steady state, or of the
 /// discrete step in time with its internal steps.
-pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Derivatives, String> {
+pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Vec<Outputs>, String> {
     let cause = |input: &Input, time: f64, history: Option<Contents>| {
         let (direction, load) = state.drive.change(*input, time);
         Cause { direction, load, history }
     };
-    let mut outputs = match &state.path {
+    match &state.path {
         Path::Steady(..) => {
             let causes = Input::ALL.iter().map(|input| cause(input, state.duration, None)).collect();
             let changes = changes(bodies, &state.point, None, causes)?;
-            results(bodies, &state.point, None, &changes)
+            Ok(results(bodies, &state.point, None, &changes))
         }
         Path::Transient(motion) => {
-            let count = Input::ALL.len();
             // Changes of what is stored before the internal step, and of its rates in the first stage.
             let (mut stored, mut first): (Vec<Contents>, Vec<Contents>) = (Vec::new(), Vec::new());
             let (mut outputs, mut left) = (Vec::new(), 2 * motion.last.steps.len());
@@ -92,7 +83,7 @@ pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Derivative
                 let causes = causes.collect();
                 let changes = changes(bodies, &stage.point, Some(&stage.rates), causes)?;
                 let system = bodies.system_of(&stage.point);
-                let contents = changes[..count].iter().map(|change| {
+                let contents = changes.iter().map(|change| {
                     let Point { unknowns, inputs, .. } = &stage.point;
                     system.contents_change(unknowns, inputs, &change.unknowns, change.inputs.penetration_depth)
                 });
@@ -112,11 +103,20 @@ pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Derivative
                 }
                 Ok(())
             })?;
-            outputs
+            Ok(outputs)
         }
+    }
+}
+
+/// By the slide-to-roll ratio of a mirrored pair. With it the bodies part, which the equations of one body do not know.
+pub(super) fn by_ratio(bodies: &mut Bodies, state: &State) -> Result<Outputs, String> {
+    let point = bodies.converted(state.point.clone(), false);
+    let path = match &state.path {
+        Path::Steady(..) => Path::Steady(None, None),
+        Path::Transient(motion) => Path::Transient(Box::new(transient::apart(bodies, motion))),
     };
-    let by_depth = outputs.pop().ok_or("the last step had no length")?;
-    Ok(Derivatives { by_input: outputs, by_depth })
+    let apart = State { point, path, ..state.clone() };
+    Ok(by_inputs(bodies, &apart)?.swap_remove(Input::SlideToRollRatio as usize))
 }
 
 /// By time at the end of the last step, with the inputs going on at their rates.
@@ -141,7 +141,7 @@ pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, Str
             (changes, Some(motion.rates()))
         }
     };
-    let mut outputs = results(bodies, point, rates.as_ref(), &changes[..1]);
+    let mut outputs = results(bodies, point, rates.as_ref(), &changes);
     outputs.pop().ok_or_else(|| "there is nothing to differentiate".into())
 }
 

@@ -11,7 +11,6 @@ mod transient;
 use serde::{Deserialize, Serialize};
 
 use self::bodies::{Bodies, Point};
-use self::derivatives::Derivatives;
 pub use self::drive::Drive;
 use self::predictor::Kept;
 use self::steady::Steady;
@@ -21,7 +20,7 @@ use crate::error::Error;
 use crate::fields::{Fields, Solution};
 use crate::memory;
 use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
-use crate::parameters::{Fidelity, Inputs, Parameters, TimeIntegration};
+use crate::parameters::{Control, Fidelity, Inputs, Parameters, TimeIntegration};
 use crate::solver::deadline::Deadline;
 
 /// The continuous inputs, in the order of the derivatives.
@@ -91,7 +90,9 @@ pub struct Simulation {
     warnings: Vec<String>,
     position: Vec<f64>,
     /// Of the present state, once they were asked for.
-    derivatives: Option<Derivatives>,
+    derivatives: Option<Vec<Outputs>>,
+    /// Likewise by the slide-to-roll ratio of a mirrored pair.
+    by_ratio: Option<Outputs>,
     rates: Option<Outputs>,
 }
 
@@ -116,6 +117,7 @@ impl Simulation {
             warnings: Vec::new(),
             position,
             derivatives: None,
+            by_ratio: None,
             rates: None,
         })
     }
@@ -219,7 +221,7 @@ impl Simulation {
         self.outputs.newton_iterations = state.iterations;
         self.inputs = state.drive.at(state.duration);
         self.state = Some(state);
-        (self.derivatives, self.rates) = (None, None);
+        (self.derivatives, self.by_ratio, self.rates) = (None, None, None);
     }
 
     /// Results of the last solution.
@@ -232,7 +234,7 @@ impl Simulation {
         &self.warnings
     }
 
-    fn differentiated(&mut self) -> Result<&Derivatives, Error> {
+    fn differentiated(&mut self) -> Result<&[Outputs], Error> {
         let Some(state) = &self.state else { return Err(unsolved()) };
         match &mut self.derivatives {
             Some(derivatives) => Ok(derivatives),
@@ -250,15 +252,28 @@ impl Simulation {
     /// # Errors
     /// [`Error::State`] where nothing was solved yet.
     pub fn derivatives(&mut self, input: Input) -> Result<&Outputs, Error> {
-        Ok(&self.differentiated()?.by_input[input as usize])
+        if let (Input::SlideToRollRatio, Some(state)) =
+            (input, self.state.as_ref().filter(|state| state.point.mirrored))
+        {
+            return match &mut self.by_ratio {
+                Some(outputs) => Ok(outputs),
+                slot => Ok(slot.insert(derivatives::by_ratio(&mut self.bodies, state).map_err(Error::State)?)),
+            };
+        }
+        Ok(&self.differentiated()?[input as usize])
     }
 
-    /// Rate of change of the normal force with the penetration depth [N/m].
+    /// Rate of change of the normal force with the penetration depth [N/m]: of the steady state, or in time of the discrete step, as all
+    /// its derivatives. Where the load is given, what it has to differ by for a unit of depth.
     ///
     /// # Errors
     /// As [`Simulation::derivatives`].
     pub fn contact_stiffness(&mut self) -> Result<f64, Error> {
-        Ok(self.differentiated()?.by_depth.normal_force)
+        let Parameters { control, width, .. } = *self.parameters();
+        Ok(match control {
+            Control::Depth => self.derivatives(Input::PenetrationDepth)?.normal_force,
+            Control::Load => width / self.derivatives(Input::AppliedLoad)?.penetration_depth,
+        })
     }
 
     /// Derivatives of the results with respect to time at the end of the last step, the inputs going on at their rates.
@@ -312,7 +327,7 @@ impl Simulation {
         let Some(state) = &snapshot.0 else {
             self.state = None;
             (self.inputs, self.outputs, self.warnings) = (Inputs::default(), nothing(), Vec::new());
-            (self.derivatives, self.rates) = (None, None);
+            (self.derivatives, self.by_ratio, self.rates) = (None, None, None);
             return Ok(());
         };
         if state.point.mirrored && !self.bodies.equal() {

@@ -233,6 +233,14 @@ fn separate(bodies: &mut Bodies, start: &mut LastStep, rate: &mut Option<Content
     }
 }
 
+/// The same motion in the unknowns of two bodies.
+pub(super) fn apart(bodies: &mut Bodies, motion: &Motion) -> Motion {
+    let mut motion = Motion { kept: None, ..motion.clone() };
+    let mut rate = Some(motion.rate.clone());
+    separate(bodies, &mut motion.last, &mut rate);
+    motion
+}
+
 /// Why a march ended early.
 enum Stop {
     Dragged,

@@ -169,7 +169,9 @@ def test_the_terminal_is_valid_and_has_all_inputs_and_forces(fmu3):
     (contact,) = terminals.iterfind(".//Terminal")
     members = {member.get("variableName") for member in contact}
     assert contact.get("name") == "contact"
-    assert members == INPUTS | {"normal_force", "upper_friction_force", "lower_friction_force"}
+    forces = {"normal_force", "upper_friction_force", "lower_friction_force"}
+    on_bones = {f"{body}_{what}" for body in ("upper", "lower") for what in ("force_x", "force_y", "moment")}
+    assert members == INPUTS | forces | on_bones
     assert members <= {v.get("name") for v in variables(read(fmu3))}
 
 

@@ -84,7 +84,7 @@ def test_joint_mujoco(fmu2, tmp_path):
     assert fine[-1, 0] == pytest.approx(coarse[-1, 0])
     # From a full film into solid contact and out again.
     for rows in (fine, coarse):
-        assert rows[0, 4] == 0 < rows[:, 4].max() and rows[-1, 4] == 0
+        assert rows[0, 5] == 0 < rows[:, 5].max() and rows[-1, 5] == 0
     np.testing.assert_allclose(coarse[-1, 1:4], fine[-1, 1:4], rtol=0.02)
     assert (tmp_path / "joint.png").stat().st_size > 10_000
 

@@ -16,6 +16,7 @@ mod derivatives;
 mod dry_contact;
 mod fibre_tissue;
 mod film_alone;
+mod geometry;
 mod harmonic_pressure;
 mod identities;
 mod joint;

@@ -99,7 +99,7 @@ impl Pair {
             most_large: 40,
             deadline: Deadline::default(),
         };
-        newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
+        newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap_or_else(|e| panic!("{inputs}: {e:?}"));
         self.unknowns = unknowns;
     }
 

@@ -11,7 +11,7 @@ use super::canvas::{self, Canvas, Lettering, palette};
 use super::panel::{self, Axis, Line, Panel, Scale, range_of};
 use crate::cli::gait::State;
 
-const SIZE: (u32, u32) = (1600, 1240);
+const SIZE: (u32, u32) = (1600, 1510);
 
 /// Writes the figure as SVG and PNG.
 ///
@@ -29,7 +29,7 @@ fn draw(canvas: &dyn Canvas, transient: &[State], steady: &[State]) -> Result<()
                 Dotted: sliding turns.";
     canvas.text(text, (40.0, 62.0), &subtitle)?;
     let panels = panels(transient, steady);
-    let (first, last, gap) = (140.0, 1165.0, 50.0);
+    let (first, last, gap) = (140.0, 1435.0, 50.0);
     let rows = panels.len() / 2;
     let height = (last - first - gap * (rows as f64 - 1.0)) / rows as f64;
     for (index, content) in panels.iter().enumerate() {
@@ -106,6 +106,19 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
         result("Fluid load support", "[\u{2212}]", Linear, |state| state.outputs.fluid_load_support),
         result("Contact length", "b [mm]", Linear, |state| 1e3 * state.outputs.contact_length),
         result("Fluid given off by the tissue", "[mm\u{b2}]", Linear, |state| 1e6 * state.exchange),
+        result("Power put in by the turning bones", "[mW]", Linear, |state| 1e3 * state.outputs.rotation_power),
+        panel(
+            "Where the work goes",
+            "[mW]",
+            Linear,
+            vec![
+                carried(transient, "film, in time", palette::BLUE, false, |o| 1e3 * o.film_dissipation),
+                carried(transient, "pores", palette::GREEN, true, |o| 1e3 * o.pore_flow_dissipation),
+                carried(transient, "friction of solid on solid", palette::ORANGE, false, |o| {
+                    1e3 * o.boundary_friction_dissipation
+                }),
+            ],
+        ),
     ];
     let upper = panels.len() - 2;
     for lower in &mut panels[upper..] {
@@ -141,6 +154,7 @@ mod tests {
             "Sliding speed",
             "Thinnest film",
             "Fluid load support",
+            "Where the work goes",
             "quasi-steady",
             "heel strike [s]",
         ] {

@@ -256,8 +256,19 @@ fn table(transient: &[State], steady: &[State]) -> String {
     let mean = |states: &[State], get: fn(&Outputs) -> f64| {
         states.iter().map(|state| get(&state.outputs)).sum::<f64>() / states.len() as f64
     };
+    // In millijoule.
+    let work = |states: &[State], get: fn(&Outputs) -> f64| {
+        states
+            .windows(2)
+            .map(|s| 500.0 * (get(&s[0].outputs) + get(&s[1].outputs)) * (s[1].phase - s[0].phase))
+            .sum::<f64>()
+    };
+    let load_work = |s: &[State]| {
+        let [a, b] = [&s[0].outputs, &s[1].outputs];
+        500.0 * (a.normal_force + b.normal_force) * (b.penetration_depth - a.penetration_depth)
+    };
     type Row<'a> = (&'a str, &'a dyn Fn(&[State]) -> f64);
-    let rows: [Row; 8] = [
+    let rows: [Row; 13] = [
         ("largest load [N/m]", &|s| most(s, |o| o.load)),
         ("deepest penetration [um]", &|s| 1e6 * most(s, |o| o.penetration_depth)),
         ("thinnest film [um]", &|s| 1e6 * least(s, |o| o.minimum_film_thickness)),
@@ -266,6 +277,11 @@ fn table(transient: &[State], steady: &[State]) -> String {
         ("largest friction coefficient", &|s| most(s, |o| o.friction_coefficient)),
         ("mean friction coefficient", &|s| mean(s, |o| o.friction_coefficient)),
         ("fluid given off in the cycle [mm^2]", &|s| 1e6 * s.last().map_or(0.0, |state| state.exchange)),
+        ("work of the turning bones [mJ]", &|s| work(s, |o| o.rotation_power)),
+        ("work of the load [mJ]", &|s| s.windows(2).map(load_work).sum()),
+        ("lost in the film [mJ]", &|s| work(s, |o| o.film_dissipation)),
+        ("lost in the pores [mJ]", &|s| work(s, |o| o.pore_flow_dissipation)),
+        ("lost by friction of solid on solid [mJ]", &|s| work(s, |o| o.boundary_friction_dissipation)),
     ];
     let mut text = String::from("| over the cycle | in time | quasi-steady |\n|---|---|---|\n");
     for (name, value) in rows {

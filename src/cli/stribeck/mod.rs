@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     files.extend(figures::stribeck::save(
         &arguments.output.join("stribeck"),
         &solved.table,
-        case.parameters.upper.outer_radius,
+        2.0 / (case.parameters.upper.curvature() + case.parameters.lower.curvature()),
     )?);
     for fields in &solved.fields {
         files.extend(write_fields(&arguments.output, fields, speeds.len() > 1)?);

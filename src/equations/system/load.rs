@@ -3,7 +3,7 @@
 use num_dual::Dual64;
 
 use super::{At, Change, System};
-use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, quadratic_derivative};
+use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, quadratic, quadratic_derivative};
 use crate::solver::linear::FIXED;
 
 /// What the fluid and what the solid carries, or a change of both, per unit depth [N/m].
@@ -104,6 +104,130 @@ impl System {
             end.shear(value(self.layout.gap[station]), value(self.layout.pressure[0][station * levels]), speed)
         });
         ends.collect()
+    }
+}
+
+/// What the pressures on the surfaces pass on beside the load, per unit depth; see [`System::resultant`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resultant {
+    /// Force along +x on the upper body of the pressures on sloping surfaces [N/m].
+    pub on_slopes: Dual64,
+    /// Moment of the pressures on the upper body about the middle of the contact, counter-clockwise [N].
+    pub moment: Dual64,
+    /// Integral of what rubs, see [`Loads`], times the height of the mean surface [N].
+    pub rubbing_height: Dual64,
+}
+
+impl System {
+    /// Height of the middle of the deformed film at every station [m]; zero between mirror images.
+    pub fn mean_height(&self, at: At<'_>, change: &Change) -> Vec<Dual64> {
+        let levels = self.layers[0].mesh.levels();
+        let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
+        let surface = |body: usize, i: usize| self.layers[body].mesh.nodes[i * levels][1];
+        let height = |i: usize| match self.layout.mean.get(i) {
+            Some(number) => value(*number) + 0.5 * (surface(0, i) + surface(1, i)),
+            None if self.mirrored() => Dual64::from(0.0),
+            // Above a rigid counterface, which has come up by half the depth.
+            None => {
+                let depth = Dual64::new(at.inputs.penetration_depth, change.inputs.penetration_depth);
+                (value(self.layout.gap[i]) + depth) * 0.5 + (surface(0, i) - self.touching_gap[i])
+            }
+        };
+        (0..self.stations.len()).map(height).collect()
+    }
+
+    /// Force and moment of the pressures on the upper body: half the difference of what acts on the two bodies, so that the lower one
+    /// has the opposite. The surfaces are those of [`System::loads`].
+    pub fn resultant(&self, at: At<'_>, change: &Change) -> Resultant {
+        let zero = Dual64::from(0.0);
+        let mut sum = Resultant { on_slopes: zero, moment: zero, rubbing_height: zero };
+        let (rough, levels) = (self.roughness(), self.layers[0].mesh.levels());
+        let height = self.mean_height(at, change);
+        let value = |number: u32| match number {
+            FIXED => zero,
+            number => Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]),
+        };
+        let deforms = self.layers[0].tissue.consistent || rough.is_some();
+        // Places of the surface nodes of a body.
+        let places = |body: usize, i: usize| -> [Dual64; 2] {
+            let layer = &self.layers[body];
+            let [x, y] = layer.mesh.nodes[i * levels];
+            let opening = value(self.layout.gap[i]) - self.touching_gap[i];
+            // Against a rigid counterface the unknowns are seen from there; both bones come half the way.
+            let mean = match self.layout.mean.get(i) {
+                Some(number) => value(*number),
+                None if self.mirrored() => zero,
+                None => Dual64::new(at.inputs.penetration_depth, change.inputs.penetration_depth) * 0.5,
+            };
+            let sideways = if deforms { value(self.layout.horizontal[body][i * levels]) } else { zero };
+            [sideways + x, mean + opening * self.part(layer) + y]
+        };
+        let share = 1.0 / self.layers.len() as f64;
+        let order = self.layers[0].mesh.pressure_order;
+        for first in (0..self.stations.len() - 1).step_by(2) {
+            let heights = [0, 1, 2].map(|a| height[first + a]);
+            let fluid = [0, 1, 2].map(|a| value(self.layout.pressure[0][(first + a) * levels]));
+            let bodies: Vec<[[Dual64; 3]; 2]> = (0..self.layers.len())
+                .map(|body| {
+                    let at = [0, 1, 2].map(|a| places(body, first + a));
+                    [at.map(|place| place[0]), at.map(|place| place[1])]
+                })
+                .collect();
+            let dot = |f: [f64; 3], v: &[Dual64; 3]| v[0] * f[0] + v[1] * f[1] + v[2] * f[2];
+            let mut press = |s: f64, pressure: Dual64| {
+                let slope = quadratic_derivative(s);
+                sum.on_slopes -= pressure * dot(slope, &heights);
+                for coordinate in bodies.iter().flatten() {
+                    sum.moment += pressure * dot(quadratic(s), coordinate) * dot(slope, coordinate) * share;
+                }
+            };
+            for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
+                press(s, dot(pressure(order, s), &fluid) * w);
+            }
+            let Some(rough) = rough else { continue };
+            for (a, simpson) in SIMPSON.into_iter().enumerate() {
+                let s = a as f64 - 1.0;
+                let gap = (at.gap(self, first + a), self.gap_change(change, first + a));
+                let solid = chain(rough.pressure(gap.0), gap.1) * (2.0 * simpson);
+                press(s, solid);
+                let real = chain(rough.real_contact_share(gap.0), gap.1);
+                let rubbing =
+                    solid + real * dot(pressure(order, s), &fluid) * (2.0 * simpson * self.parameters.solid_fraction);
+                for [x, _] in &bodies {
+                    sum.rubbing_height += rubbing * dot(quadratic_derivative(s), x) * heights[a] * share;
+                }
+            }
+        }
+        if rough.is_none() {
+            for i in (0..self.stations.len()).filter(|i| at.active[*i]) {
+                let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
+                let place = (0..self.layers.len()).map(|body| places(body, i)[0] * share).sum::<Dual64>();
+                sum.moment += force * place;
+                sum.rubbing_height += force * height[i];
+            }
+        }
+        sum
+    }
+}
+
+impl System {
+    /// Power of the pressure on what leaves the ends of the film relative to the moving walls, e p (Q - U h/2) with e of
+    /// [`crate::equations::film_end`] [W/m].
+    pub fn film_end_power(&self, at: At<'_>, change: &Change) -> Dual64 {
+        let levels = self.layers[0].mesh.levels();
+        let speed = Dual64::new(at.inputs.sliding_speed, change.inputs.sliding_speed);
+        let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
+        self.film_outflows(at.unknowns, at.inputs.sliding_speed)
+            .map(|(station, outflow)| {
+                let (gap, pressure) =
+                    (value(self.layout.gap[station]), value(self.layout.pressure[0][station * levels]));
+                let along = outflow.by_gap * gap.eps
+                    + outflow.by_pressure * pressure.eps
+                    + outflow.by_speed * change.inputs.sliding_speed;
+                let side = if station == 0 { -0.5 } else { 0.5 };
+                pressure * (Dual64::new(outflow.value, along) - speed * gap * side)
+            })
+            .sum()
     }
 }
 

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::equations::contact::RoughContact;
 use crate::equations::film::{self, Film, MassRate};
 use crate::equations::film_end::{FilmEnd, Outflow};
-use crate::equations::grid::Grid;
+use crate::equations::grid::{self, Grid};
 use crate::equations::layout::{Layout, Quantity};
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
@@ -91,7 +91,7 @@ impl Rates {
 /// The discrete equations of a pair of layers, with the factorisation of their last tangent.
 #[derive(Debug)]
 pub struct System {
-    /// The upper body, and the lower one unless it is the upper one's mirror image.
+    /// The upper body, and the lower one unless it is the upper one's mirror image or rigid.
     pub layers: Vec<Layer>,
     /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
     contact_half_width: f64,
@@ -172,7 +172,7 @@ fn body(parameters: &Parameters, side: f64) -> &Body {
 fn sector(parameters: &Parameters, side: f64, grid: &Grid) -> LayerMesh {
     let body = body(parameters, side);
     let depths: Vec<f64> = grid.depths[usize::from(side < 0.0)].iter().map(|depth| depth * body.thickness).collect();
-    LayerMesh::sector(&grid.stations, &depths, body.outer_radius, side, parameters.pressure_order)
+    LayerMesh::sector(&grid.stations, &depths, 1.0 / body.curvature(), side, parameters.pressure_order)
 }
 
 impl Layer {
@@ -201,7 +201,7 @@ impl Layer {
                     }),
                 },
                 biot_coefficient: alpha,
-                mobility: body.permeability / parameters.viscosity,
+                mobility: parameters.hydraulic_permeability(body),
                 tangential_ratio: body.tangential_permeability_ratio,
                 strain_dependence: match parameters.permeability_law {
                     PermeabilityLaw::Constant => None,
@@ -227,7 +227,7 @@ impl System {
         let p = parameters;
         let grid = Grid::new(p, contact_half_width);
         let mut layers = vec![Layer::new(p, 1.0, &grid)];
-        if !mirrored {
+        if !mirrored && !p.rigid_lower {
             layers.push(Layer::new(p, -1.0, &grid));
         }
         let meshes: Vec<_> = layers.iter().map(|layer| &layer.mesh).collect();
@@ -235,7 +235,7 @@ impl System {
         let layout = Layout::new(&meshes, p.cavitation, consistent);
         let copies = if mirrored { 2.0 } else { 1.0 };
         let modulus = layers.iter().map(|layer| layer.tissue.solid.aggregate_modulus()).fold(0.0, f64::max);
-        let thickness = p.upper.thickness.max(p.lower.thickness);
+        let thickness = if p.rigid_lower { p.upper.thickness } else { p.upper.thickness.max(p.lower.thickness) };
         let mobility = layers.iter().map(|layer| layer.tissue.mobility).fold(0.0, f64::max);
         // Both bodies give way to a ripple of pressure.
         let shear_modulus = 2.0 / layers.iter().map(|layer| copies / layer.tissue.solid.shear_modulus()).sum::<f64>();
@@ -316,10 +316,10 @@ impl System {
         let p = &self.parameters;
         if p.formulation == Formulation::Consistent && !p.cavitation {
             let x = stations[stations.len() - 1];
-            let sum = |f: &dyn Fn(f64) -> f64| f(p.upper.outer_radius) + f(p.lower.outer_radius);
+            let sum = |f: &dyn Fn(f64) -> f64| f(p.upper.curvature()) + f(p.lower.curvature());
             // Of a circle: y' = x/R / sqrt(1 - (x/R)^2).
-            let slope = sum(&|radius| (x / radius) / (1.0 - (x / radius).powi(2)).sqrt());
-            let curvature = sum(&|radius| 1.0 / radius);
+            let slope = sum(&|curvature| x * curvature / (1.0 - (x * curvature).powi(2)).sqrt());
+            let curvature = sum(&|curvature| curvature);
             self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, viscosity: p.viscosity }));
         }
         (self.stations, self.touching_gap) = (stations, touching_gap);
@@ -360,14 +360,19 @@ impl System {
         self.contact_half_width
     }
 
-    /// Whether only the upper body is solved for.
+    /// Whether the lower body is the mirror image of the upper one.
     pub fn mirrored(&self) -> bool {
-        self.layers.len() == 1
+        self.layers.len() == 1 && !self.parameters.rigid_lower
     }
 
     /// Bodies that stand for one another: 2 for a mirrored pair, else 1.
-    fn copies(&self) -> f64 {
-        2.0 / self.layers.len() as f64
+    pub fn copies(&self) -> f64 {
+        if self.mirrored() { 2.0 } else { 1.0 }
+    }
+
+    /// Part of an approach and of an opening that each layer takes, with its sign along y: a rigid counterface stays where it is.
+    fn part(&self, layer: &Layer) -> f64 {
+        grid::part(&self.parameters) * layer.side
     }
 
     /// The exact solution without motion and without contact.
@@ -377,7 +382,7 @@ impl System {
             unknowns[*gap as usize] = touching - penetration_depth;
         }
         for layer in 0..self.layers.len() {
-            let shift = -0.5 * self.layers[layer].side * penetration_depth;
+            let shift = -self.part(&self.layers[layer]) * penetration_depth;
             for number in self.layout.vertical[layer].iter().filter(|n| **n != FIXED) {
                 unknowns[*number as usize] = shift;
             }
@@ -387,7 +392,7 @@ impl System {
 
     /// Displacements and pressures of an element's nodes.
     pub fn local(&self, body: usize, element: usize, unknowns: &[f64], penetration_depth: f64) -> Local {
-        self.gather(body, element, unknowns, -0.5 * self.layers[body].side * penetration_depth, 1.0)
+        self.gather(body, element, unknowns, -self.part(&self.layers[body]) * penetration_depth, 1.0)
     }
 
     /// Nodal values: unknowns, the bone's displacement, and the gap of the undeformed surfaces times `offset`.
@@ -404,7 +409,7 @@ impl System {
             local[NODES + a] = if level == 0 {
                 let station = n / (last + 1);
                 let opening = unknowns[layout.gap[station] as usize] - offset * self.touching_gap[station];
-                layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]) + 0.5 * layer.side * opening
+                layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]) + self.part(layer) * opening
             } else if level == last {
                 bone
             } else {
@@ -417,7 +422,7 @@ impl System {
 
     /// Change of an element's nodal values with a change of the unknowns and of the penetration depth.
     pub fn local_change(&self, body: usize, element: usize, change: &[f64], penetration_depth: f64) -> Local {
-        self.gather(body, element, change, -0.5 * self.layers[body].side * penetration_depth, 0.0)
+        self.gather(body, element, change, -self.part(&self.layers[body]) * penetration_depth, 0.0)
     }
 
     fn film_local(&self, column: usize, unknowns: &[f64]) -> film::Local {
@@ -489,7 +494,7 @@ impl System {
         if element.is_multiple_of(rows) {
             for a in 0..3 {
                 let force = local[NODES + a];
-                values[cell[NODES + a] as usize] += (0.5 * layer.side - 1.0) * force;
+                values[cell[NODES + a] as usize] += (self.part(layer) - 1.0) * force;
                 if let Some(mean) = layout.mean.get(2 * (element / rows) + a) {
                     values[*mean as usize] += force;
                 }

@@ -200,9 +200,9 @@ impl System {
             return;
         }
         let column = element / layer.mesh.rows;
-        let half = 0.5 * layer.side;
-        let two_bodies = !self.mirrored();
-        // Columns: the vertical displacement of a surface node is mean + side/2 gap.
+        let half = self.part(layer);
+        let two_bodies = self.layers.len() == 2;
+        // Columns: the vertical displacement of a surface node is mean + side/2 gap; without a mean against a rigid counterface.
         for a in 0..3 {
             for i in 0..LOCAL {
                 let value = matrix[(NODES + a) * m + i];
@@ -230,12 +230,12 @@ impl System {
                 values[NODES + a] = half * value;
                 if two_bodies {
                     values[LOCAL + a] = value;
-                    if active[2 * column + a] {
-                        values[a] += layer.side * share * half * value;
-                        values[LOCAL + 3 + a] -= layer.side * share * half * value;
-                    }
                 }
                 if active[2 * column + a] {
+                    values[a] += layer.side * share * half * value;
+                    if two_bodies {
+                        values[LOCAL + 3 + a] -= layer.side * share * half * value;
+                    }
                     values[NODES + a] = if j == NODES + a { self.contact_diagonal() } else { 0.0 };
                 }
             }

@@ -17,7 +17,7 @@ impl System {
         for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
             for numbers in vertical.chunks_exact(heights.len()) {
                 for (number, height) in numbers.iter().zip(heights).filter(|(n, _)| **n != FIXED) {
-                    unknowns[*number as usize] -= 0.5 * layer.side * approach * (1.0 - height);
+                    unknowns[*number as usize] -= self.part(layer) * approach * (1.0 - height);
                 }
             }
         }
@@ -92,7 +92,7 @@ impl System {
         for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
             let column = &vertical[station * heights.len()..(station + 1) * heights.len()];
             for (number, height) in column.iter().zip(heights).filter(|(n, _)| **n != FIXED) {
-                unknowns[*number as usize] += 0.5 * layer.side * opening * height;
+                unknowns[*number as usize] += self.part(layer) * opening * height;
             }
         }
     }

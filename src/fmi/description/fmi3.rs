@@ -109,7 +109,7 @@ fn structure(xml: &mut String) {
     *xml += "  </ModelStructure>\n\n";
 }
 
-/// `terminalsAndIcons.xml`: what a mechanical model connects to belongs to one terminal, all inputs and all forces.
+/// `terminalsAndIcons.xml`: what a mechanical model connects to belongs to one terminal, all inputs, all forces and moments.
 pub fn terminals() -> String {
     let mut xml = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"{VERSION}\">\n  <Terminals>\n    \
@@ -117,7 +117,8 @@ pub fn terminals() -> String {
          description=\"The two bodies in contact: how they move, and the forces between them\">\n"
     );
     for variable in VARIABLES.iter() {
-        let force = variable.is_output() && variable.is_scalar() && variable.unit == Unit::Newton;
+        let force =
+            variable.is_output() && variable.is_scalar() && matches!(variable.unit, Unit::Newton | Unit::NewtonMetre);
         if force || matches!(variable.source, Source::Input(_)) {
             let name = variable.name;
             let _ = writeln!(

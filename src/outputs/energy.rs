@@ -1,0 +1,99 @@
+//! Where the work goes, per unit depth.
+//!
+//! Of the consistent formulation the weak forms, tested with the velocities of the tissue and with the pressure, add up to
+//!
+//! ```text
+//! bones: rotation + approach = d(stored)/dt + pores + film + boundary friction + carried
+//! stored    int W                          elastic energy of the solid
+//! pores     int grad p . K grad p          Darcy flow
+//! film      int h^3 p'^2/(12 eta) + eta (U1 - U2)^2/h
+//! carried   int_ends W v.n - int_inlets alpha r p (J - 1) v.n + sum e p (Q - U h/2)   what moves out of the sector,
+//!           and what the film beyond it takes from sliding bodies of different curvature
+//! ```
+//!
+//! up to the size of the elements, and to the strain along the surface, by which the film's equation (in the undeformed x) and the load
+//! (over the deformed one) differ. The paper's formulation balances another stress on the surface than in the tissue: there the terms
+//! do not add up.
+
+use num_dual::{Dual64, DualNum};
+
+use super::Solved;
+use crate::equations::system::Change;
+use crate::equations::tissue::Tissue;
+use crate::fem::element::NODES;
+use crate::laws::kinematics::{Strain, flatten};
+use nalgebra::{Matrix2, Vector2};
+
+/// Energy and powers of the tissue.
+pub(super) struct TissueEnergy {
+    /// Elastic energy of the solid [J/m].
+    pub stored: Dual64,
+    /// Dissipated by flow through the pores [W/m].
+    pub pores: Dual64,
+    /// What moving tissue takes out of the sector [W/m].
+    pub carried: Dual64,
+}
+
+impl Solved<'_> {
+    /// Of both bodies, at these surface speeds.
+    pub(super) fn tissue_energy(&self, change: &Change, speeds: [Dual64; 2]) -> TissueEnergy {
+        let system = self.system;
+        let depth = self.at.inputs.penetration_depth;
+        let zero = Dual64::from(0.0);
+        let mut sum = TissueEnergy { stored: zero, pores: zero, carried: zero };
+        let copies = system.copies();
+        for (body, (layer, speed)) in system.layers.iter().zip(speeds).enumerate() {
+            let Tissue { biot_coefficient, fluid_compressibility, consistent, .. } = layer.tissue;
+            for element in 0..layer.mesh.elements() {
+                let at = system.local(body, element, self.at.unknowns, depth);
+                let local = system.local_change(body, element, &change.unknowns, change.inputs.penetration_depth);
+                for (q, point) in layer.mesh.points(element).iter().enumerate() {
+                    let strain = Tissue::strain(&layer.mesh, element, q, &at);
+                    let along = Tissue::strain(&layer.mesh, element, q, &local).gradient;
+                    let tissue = layer.tissue.at_depth(layer.mesh.point_depth(element, q));
+                    let solid = tissue.solid;
+                    let energy = Dual64::new(solid.energy(&strain), solid.stress(&strain).dot(&along));
+                    sum.stored += energy * (copies * point.weight);
+
+                    let gradients = layer.mesh.pressure_gradients(element, q);
+                    let slope = |values: &[f64]| {
+                        let sum = |g: &[f64; NODES]| g.iter().zip(&values[2 * NODES..]).map(|(g, p)| g * p).sum();
+                        Vector2::new(sum(&gradients[0]), sum(&gradients[1]))
+                    };
+                    let (gradient, gradient_change) = (slope(&at), slope(&local));
+                    let direction = Vector2::from(point.velocity);
+                    let (mobility, mobility_by_volume) = tissue.mobility_at(&strain, &direction);
+                    let flux = mobility.conductance(&strain, consistent) * gradient;
+                    let power = flux.dot(&gradient);
+                    let volume = strain.cofactor.dot(&along);
+                    let mut power_change = 2.0 * flux.dot(&gradient_change) + power * mobility_by_volume * volume;
+                    if consistent {
+                        let derivative = mobility.conductance_derivative(&strain, &gradient) * flatten(&along);
+                        power_change += gradient.dot(&derivative);
+                    }
+                    sum.pores += Dual64::new(power, power_change) * (copies * point.weight);
+                }
+                for (q, end) in layer.mesh.end_points(element).enumerate() {
+                    // The depths of an end's points are those of the element's rows of points.
+                    let solid = layer.tissue.at_depth(layer.mesh.point_depth(element, 3 * (q % 3))).solid;
+                    let dot = |f: &[f64; NODES], values: &[f64]| f.iter().zip(values).map(|(a, b)| a * b).sum::<f64>();
+                    let gradient = |values: &[f64]| {
+                        let [gx, gy] = &end.gradients;
+                        let (ux, uy) = (&values[..NODES], &values[NODES..2 * NODES]);
+                        Matrix2::new(dot(gx, ux), dot(gy, ux), dot(gx, uy), dot(gy, uy))
+                    };
+                    let (strain, along) = (Strain::new(gradient(&at)), gradient(&local));
+                    let mut energy = Dual64::new(solid.energy(&strain), solid.stress(&strain).dot(&along));
+                    if end.outflow * speed.re < 0.0 {
+                        let [pressure, change] = [&at, &local].map(|f| dot(&end.pressure_shape, &f[2 * NODES..]));
+                        let pressure = Dual64::new(pressure, change);
+                        let volume = Dual64::new(strain.volume_change, strain.cofactor.dot(&along));
+                        energy -= pressure * volume * (pressure * fluid_compressibility).exp() * biot_coefficient;
+                    }
+                    sum.carried += energy * speed * (copies * end.outflow);
+                }
+            }
+        }
+        sum
+    }
+}
