@@ -1,4 +1,4 @@
-//! Where figures are drawn: lines, areas and text in points, written as SVG and as PNG.
+//! Where figures are drawn: lines, areas and text in points, written as SVG, as PNG and as PDF.
 //!
 //! The one place that knows the plotting library. Text is measured and, in the PNG, drawn with a font that is part of the
 //! program, so that figures look alike on machines that have no fonts installed.
@@ -13,6 +13,8 @@ use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{PathElement, Polygon, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, WHITE};
+
+use super::pdf;
 
 /// Pixels a point, before the PNG is averaged down and the SVG is scaled down. The plotting library rounds to whole pixels
 /// and does not smooth thick lines; this hides both.
@@ -166,12 +168,12 @@ fn to_pixels((width, height): (u32, u32), draw: Draw<'_>) -> Result<Vec<u8>, Str
     Ok((0..rows * columns * 3).map(|i| average(i / 3 / columns, i / 3 % columns, i % 3)).collect())
 }
 
-/// Writes a figure as `stem.svg` and `stem.png`, and returns the two paths.
+/// Writes a figure as `stem.svg`, `stem.png` and `stem.pdf`, and returns the paths.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, size: (u32, u32), draw: Draw<'_>) -> Result<[PathBuf; 2], Error> {
-    let [svg, png] = [stem.with_extension("svg"), stem.with_extension("png")];
+pub fn save(stem: &Path, size: (u32, u32), draw: Draw<'_>) -> Result<[PathBuf; 3], Error> {
+    let [svg, png, pdf] = ["svg", "png", "pdf"].map(|ending| stem.with_extension(ending));
     let failed = |path: &Path| {
         let path = path.display().to_string();
         move |message: String| Error::File { path, message: format!("could not write the figure: {message}") }
@@ -180,7 +182,9 @@ pub fn save(stem: &Path, size: (u32, u32), draw: Draw<'_>) -> Result<[PathBuf; 2
     std::fs::write(&svg, text).map_err(|e| failed(&svg)(e.to_string()))?;
     let pixels = to_pixels(size, draw).map_err(failed(&png))?;
     write_png(&png, size, &pixels).map_err(failed(&png))?;
-    Ok([svg, png])
+    let document = pdf::document(size, draw).map_err(failed(&pdf))?;
+    std::fs::write(&pdf, document).map_err(|e| failed(&pdf)(e.to_string()))?;
+    Ok([svg, png, pdf])
 }
 
 fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Result<(), String> {

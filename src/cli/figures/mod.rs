@@ -6,6 +6,7 @@ mod colour_map;
 pub mod fields;
 pub mod gait;
 mod panel;
+mod pdf;
 pub mod press_and_release;
 pub mod reduced;
 pub mod stribeck;

@@ -269,7 +269,15 @@ mod tests {
                 Dense { left: &mut left, top: &mut top, update: &mut update, size: [k, b], pivots: &mut pivots };
             front.eliminate(pulp::Arch::new()).unwrap();
             let left = DMatrix::from_column_slice(n, k, &left);
-            let lower = DMatrix::from_fn(n, k, |i, j| if i == j { 1.0 } else if i > j { left[(i, j)] } else { 0.0 });
+            let lower = DMatrix::from_fn(n, k, |i, j| {
+                if i == j {
+                    1.0
+                } else if i > j {
+                    left[(i, j)]
+                } else {
+                    0.0
+                }
+            });
             let upper = DMatrix::from_fn(k, n, |i, j| match j {
                 j if j >= k => top[(j - k) * k + i],
                 j if j >= i => left[(i, j)],
