@@ -12,7 +12,7 @@ mod substitution;
 
 pub use cluster::Cluster;
 
-use dense::Dense;
+use dense::{Dense, Scratch};
 use front::{Front, Symbolic};
 
 /// Unknown that is not solved for: its rows and columns are dropped.
@@ -45,6 +45,7 @@ struct Part {
     stacks: [Vec<f64>; 2],
     /// Matrix of a cell.
     cell: Vec<f64>,
+    scratch: Scratch,
 }
 
 impl std::fmt::Debug for Multifrontal {
@@ -66,8 +67,9 @@ impl Multifrontal {
             let range = std::mem::replace(&mut first, end)..end;
             let fronts = &mut fronts[range.clone()];
             let stacks = Symbolic::stack(fronts, range.start).map(|length| vec![0.0; length]);
+            let largest = fronts.iter().map(|f| f.eliminated).max().unwrap_or(0);
             let cell = fronts.iter().flat_map(|f| &f.sources).map(|s| s.size * s.size).max().unwrap_or(0);
-            Part { fronts: range, stacks, cell: vec![0.0; cell] }
+            Part { fronts: range, stacks, cell: vec![0.0; cell], scratch: Scratch::new(largest) }
         });
         let parts = parts.collect();
         let length = fronts.iter().map(Front::length).sum();
@@ -198,7 +200,7 @@ impl Part {
                 scale.apply(source.cell, matrix);
                 dense.add_scattered(matrix, m, &source.places);
             }
-            dense.eliminate(simd)?;
+            dense.eliminate(simd, &mut self.scratch)?;
         }
         Ok(())
     }
@@ -220,7 +222,8 @@ impl Scale<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DMatrix;
+    use faer::MatRef;
+    use faer::linalg::solvers::Solve;
     use proptest::prelude::*;
 
     /// Cells of a strip, each over the four corners of a grid of nodes with one unknown.
@@ -251,7 +254,7 @@ mod tests {
                     *v = number((cell * 16 + i) as u64) + if i % 5 == 0 { 1.0 } else { 0.0 };
                 }
             };
-            let mut dense = DMatrix::<f64>::zeros(n, n);
+            let mut dense = faer::Mat::<f64>::zeros(n, n);
             for (cell, dofs) in cells.iter().enumerate() {
                 let mut m = [0.0; 16];
                 matrix(cell, &mut m);
@@ -265,10 +268,10 @@ mod tests {
             let rhs: Vec<f64> = (0..2 * n).map(|i| number(i as u64 + 77)).collect();
             let mut x = rhs.clone();
             solver.solve(&mut x).unwrap();
-            let reference = dense.lu().solve(&DMatrix::from_column_slice(n, 2, &rhs)).unwrap();
+            let reference = dense.partial_piv_lu().solve(MatRef::from_column_major_slice(&rhs, n, 2));
             for (i, value) in x.iter().enumerate() {
                 let expected = reference[(i % n, i / n)];
-                prop_assert!((value - expected).abs() < 1e-7 * (1.0 + reference.amax()), "{} {}", value, expected);
+                prop_assert!((value - expected).abs() < 1e-7 * (1.0 + reference.norm_max()), "{} {}", value, expected);
             }
         }
     }
