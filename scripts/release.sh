@@ -43,12 +43,13 @@ can_build() {
     done
 }
 
-# The library first, without what only the program needs; then the program.
-build() {
+# The library, without what only the program needs, in a folder of its own: TARGET, FILE. Building the program writes over the other.
+build_library() {
+    local target=${1%.2.*}
     cargo zigbuild --release --locked --lib --no-default-features --target "$1"
-    cp "$2/$3" "$2/library-of-the-fmu"
-    cargo zigbuild --release --locked --bin cartilage-contact --target "$1"
-    cp "$2/library-of-the-fmu" "$2/$3"
+    mkdir -p "$built/release-libraries/$target"
+    library=$built/release-libraries/$target/$2
+    cp "$built/$target/release/$2" "$library"
 }
 
 # Whether a table of symbols has all functions of both standards.
@@ -69,30 +70,30 @@ solve_with() {
 }
 
 libraries=()
-platforms=() # tag of the wheel, folder, program, library
+platforms=() # tag of the wheel, target, folder, program, library
 left_out=()
 
 linux() {
-    local target=$1 tag=$2 folder=$built/$1/release library=libcartilage_contact.so
-    build "$target.$GLIBC" "$folder" "$library"
-    python3 scripts/glibc.py "$folder/$library" "$GLIBC"
-    nm -D --defined-only "$folder/$library" | has_functions "$target"
+    local target=$1 tag=$2
+    build_library "$target.$GLIBC" libcartilage_contact.so
+    python3 scripts/glibc.py "$library" "$GLIBC"
+    nm -D --defined-only "$library" | has_functions "$target"
     python3 -m ziglang cc -target "${target/-unknown/}.$GLIBC" -O1 -o "$built/$target/run_library" scripts/run_library.c -ldl -lm
-    libraries+=(--library "$folder/$library")
-    platforms+=("manylinux2014_$tag $folder cartilage-contact $library")
+    libraries+=(--library "$library")
+    platforms+=("manylinux2014_$tag $target.$GLIBC $built/$target/release cartilage-contact $library")
 }
 
 target=x86_64-unknown-linux-gnu
 if can_build linux64 $target; then
     linux $target x86_64
-    solve_with "$built/$target/release/libcartilage_contact.so" "$built/$target/run_library"
+    solve_with "$library" "$built/$target/run_library"
 fi
 
 target=aarch64-unknown-linux-gnu
 if can_build aarch64-linux $target; then
     linux $target aarch64
     if command -v qemu-aarch64 >/dev/null && [ -d /usr/aarch64-linux-gnu ]; then
-        solve_with "$built/$target/release/libcartilage_contact.so" qemu-aarch64 -L /usr/aarch64-linux-gnu "$built/$target/run_library"
+        solve_with "$library" qemu-aarch64 -L /usr/aarch64-linux-gnu "$built/$target/run_library"
     else
         left_out+=("a run of the aarch64-linux library: no qemu-aarch64 with libc6-arm64-cross")
     fi
@@ -100,42 +101,42 @@ fi
 
 target=x86_64-pc-windows-gnu
 if can_build win64 $target; then
-    folder=$built/$target/release
-    build "$target" "$folder" cartilage_contact.dll
-    objdump -p "$folder/cartilage_contact.dll" | has_functions "$target"
+    build_library "$target" cartilage_contact.dll
+    objdump -p "$library" | has_functions "$target"
     if wine=$(command -v wine64 || command -v wine || ls /usr/lib/wine/wine64 2>/dev/null) && command -v x86_64-w64-mingw32-gcc >/dev/null; then
         run=$built/$target/run
         mkdir -p "$run"
         x86_64-w64-mingw32-gcc -O1 -Wall -Werror -o "$run/run_library.exe" scripts/run_library.c
         x86_64-w64-mingw32-gcc -O1 -Wall -Werror -shared -o "$run/bcryptprimitives.dll" scripts/bcryptprimitives.c -ladvapi32
-        WINEDEBUG=-all WINEPREFIX=$(realpath "$built")/wine solve_with "$folder/cartilage_contact.dll" "$wine" "$run/run_library.exe"
+        WINEDEBUG=-all WINEPREFIX=$(realpath "$built")/wine solve_with "$library" "$wine" "$run/run_library.exe"
     else
         left_out+=("a run of the win64 library: no wine with mingw-w64")
     fi
-    libraries+=(--library "$folder/cartilage_contact.dll")
-    platforms+=("win_amd64 $folder cartilage-contact.exe cartilage_contact.dll")
+    libraries+=(--library "$library")
+    platforms+=("win_amd64 $target $built/$target/release cartilage-contact.exe $library")
 fi
 
 target=universal2-apple-darwin
 if can_build darwin x86_64-apple-darwin aarch64-apple-darwin; then
-    folder=$built/$target/release
-    MACOSX_DEPLOYMENT_TARGET=11.0 build "$target" "$folder" libcartilage_contact.dylib
+    export MACOSX_DEPLOYMENT_TARGET=11.0
+    build_library "$target" libcartilage_contact.dylib
     # Both halves have to have them; the names are text in each.
-    strings -n 8 "$folder/libcartilage_contact.dylib" | sed 's/^_//' | has_functions "$target"
+    strings -n 8 "$library" | sed 's/^_//' | has_functions "$target"
     left_out+=("a run of the darwin library: this is no macOS")
-    libraries+=(--library "$folder/libcartilage_contact.dylib")
-    platforms+=("macosx_11_0_universal2 $folder cartilage-contact libcartilage_contact.dylib")
+    libraries+=(--library "$library")
+    platforms+=("macosx_11_0_universal2 $target $built/$target/release cartilage-contact $library")
 fi
 
 cargo run --release --locked -- package "${libraries[@]}" --output "$output/CartilageLineContact.fmu"
 for platform in "${platforms[@]}"; do
-    read -r tag folder program library <<<"$platform"
+    read -r tag target folder program library <<<"$platform"
+    cargo zigbuild --release --locked --bin cartilage-contact --target "$target"
     native=$built/release-native
     rm -rf "$native"
     mkdir -p "$native"
-    cp "$folder/$program" "$folder/$library" "$native"
+    cp "$folder/$program" "$library" "$native"
     # Of this platform alone: on ARM Linux, FMPy looks where Intel's library is in the FMU of all.
-    "$built/release/cartilage-contact" package --library "$folder/$library" --output "$native/CartilageLineContact.fmu"
+    "$built/release/cartilage-contact" package --library "$library" --output "$native/CartilageLineContact.fmu"
     rm -rf "$built/python"
     CARTILAGE_CONTACT_BUILT=$(realpath "$native") python3 -m pip wheel --quiet --no-deps --wheel-dir "$output" \
         --config-settings="--build-option=--plat-name=$tag" .

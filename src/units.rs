@@ -85,7 +85,25 @@ impl Unit {
             Self::MetrePerSecond => &[DisplayUnit { name: "mm/s", factor: 1e3 }],
             Self::Radian => &[DisplayUnit { name: "deg", factor: 180.0 / std::f64::consts::PI }],
             Self::Pascal => &[DisplayUnit { name: "kPa", factor: 1e-3 }, DisplayUnit { name: "MPa", factor: 1e-6 }],
-            _ => &[],
+            Self::SquareMetre => &[DisplayUnit { name: "um2", factor: 1e12 }, DisplayUnit { name: "mm2", factor: 1e6 }],
+            Self::PerPascal => {
+                &[DisplayUnit { name: "1/MPa", factor: 1e6 }, DisplayUnit { name: "1/GPa", factor: 1e9 }]
+            }
+            Self::PascalSecond => &[DisplayUnit { name: "mPa.s", factor: 1e3 }],
+            Self::Newton => &[DisplayUnit { name: "mN", factor: 1e3 }, DisplayUnit { name: "kN", factor: 1e-3 }],
+            Self::NewtonPerMetre => {
+                &[DisplayUnit { name: "N/mm", factor: 1e-3 }, DisplayUnit { name: "N/um", factor: 1e-6 }]
+            }
+            Self::SquareMetrePerSecond => {
+                &[DisplayUnit { name: "mm2/s", factor: 1e6 }, DisplayUnit { name: "um2/s", factor: 1e12 }]
+            }
+            Self::Second => &[DisplayUnit { name: "ms", factor: 1e3 }],
+            Self::NewtonMetre => &[DisplayUnit { name: "N.mm", factor: 1e3 }],
+            Self::NewtonMetrePerMetre => &[DisplayUnit { name: "N.mm/mm", factor: 1.0 }],
+            Self::Watt => &[DisplayUnit { name: "mW", factor: 1e3 }],
+            Self::Joule => &[DisplayUnit { name: "mJ", factor: 1e3 }],
+            Self::MetreToTheFourthPerNewtonSecond => &[DisplayUnit { name: "mm4/(N.s)", factor: 1e12 }],
+            Self::One => &[],
         }
     }
 

@@ -310,9 +310,9 @@ fn without_arguments_it_builds_and_drives_the_fmu() {
     let depths: Vec<f64> = table.records().map(|record| record.unwrap()[1].parse().unwrap()).collect();
     assert_eq!(depths.len(), 81);
     assert_eq!((depths[0], depths[40], depths[80]), (-10.0 * 1e-6, 30.0 * 1e-6, -10.0 * 1e-6));
-    let [svg, png] =
-        ["svg", "png"].map(|ending| std::fs::read(made.join("press_and_release").with_extension(ending)).unwrap());
-    assert!(svg.starts_with(b"<svg") && png.starts_with(b"\x89PNG"));
+    let [svg, png, pdf] = ["svg", "png", "pdf"]
+        .map(|ending| std::fs::read(made.join("press_and_release").with_extension(ending)).unwrap());
+    assert!(svg.starts_with(b"<svg") && png.starts_with(b"\x89PNG") && pdf.starts_with(b"%PDF"));
 }
 
 #[test]

@@ -85,7 +85,8 @@ fn importers_run_the_fmus() {
         .env("SLIM3", &narrow[1]));
 }
 
-/// In an environment of its own, with nothing of this repository but the built package.
+/// In an environment of its own, with nothing of this repository but the built package; and the documentation site, whose notebook needs
+/// it.
 #[test]
 fn the_python_package_installs_and_runs() {
     let built = folder("built");
@@ -98,7 +99,7 @@ fn the_python_package_installs_and_runs() {
     run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&environment));
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "pytest"])
-        .arg(format!("{ROOT}[tables]"))
+        .arg(format!("{ROOT}[tables,docs]"))
         .env("CARTILAGE_CONTACT_BUILT", &built));
     let path = format!("{}:{}", environment.join("bin").display(), std::env::var("PATH").unwrap_or_default());
     run(Command::new(&python)
@@ -113,6 +114,7 @@ fn the_python_package_installs_and_runs() {
             "cartilage_contact",
         ])
         .arg(Path::new(ROOT).join("python/tests"))
+        .arg(Path::new(ROOT).join("docs/test_site.py"))
         .current_dir(&environment)
         .env("PATH", path)
         .env("PYTHONDONTWRITEBYTECODE", "1"));

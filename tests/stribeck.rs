@@ -69,8 +69,13 @@ fn the_table_has_the_names_of_the_variables_and_is_in_order() {
     assert!(load[..7].windows(2).all(|pair| pair[1] > pair[0]), "{load:?}");
     assert!(said.contains("7 states at 0.2 m/s. Least friction coefficient 0.0"), "{said}");
     assert!(said.contains("The solids first touch between 10 and 15 um."), "{said}");
-    for ending in ["svg", "png"] {
+    for ending in ["svg", "png", "pdf"] {
         assert!(folder.path().join("stribeck").with_extension(ending).exists());
+    }
+    let units = std::fs::read_to_string(folder.path().join("stribeck.units.csv")).unwrap();
+    assert_eq!(units.lines().count(), 1 + header.len());
+    for expected in ["\nload,N/m,", "\nsliding_speed,m/s,", "\nfriction_coefficient,1,", "\ncase,1,"] {
+        assert!(units.contains(expected), "{expected}: {units}");
     }
 }
 
@@ -86,6 +91,10 @@ fn the_parquet_file_agrees(csv: &Path, header: &[String], load: &[f64]) {
     assert_eq!(names, header);
     let stored: Vec<f64> = parquet.get_row_iter(None).unwrap().map(|row| row.unwrap().get_double(3).unwrap()).collect();
     assert_eq!((names[3], stored.as_slice()), ("load", load));
+    let metadata = parquet.metadata().file_metadata().key_value_metadata().unwrap();
+    let units = metadata.iter().find(|entry| entry.key == "units").and_then(|entry| entry.value.as_ref()).unwrap();
+    let units: serde_json::Value = serde_json::from_str(units).unwrap();
+    assert_eq!((&units["load"], &units["well_resolved"]), (&"N/m".into(), &"1".into()));
 }
 
 #[test]
@@ -94,7 +103,7 @@ fn one_speed_draws_figure_3_with_its_regimes() {
     done(&format!("stribeck {COARSE} --depths -10e-6:40e-6:10e-6 --output {}", folder.path().display()));
     let svg = std::fs::read_to_string(folder.path().join("stribeck.svg")).unwrap();
     for expected in
-        ["thin film flow", "low friction", "high friction", "Sommerfeld number", "[kPa]", "[N/m]", "contact length"]
+        ["thin film flow", "low friction", "high friction", "Sommerfeld number", "[kPa]", "[N/m]", "von Mises"]
     {
         assert!(svg.contains(expected), "{expected}");
     }

@@ -6,7 +6,7 @@
 use approx::assert_relative_eq;
 use cartilage_contact::error::Error;
 use cartilage_contact::outputs::Outputs;
-use cartilage_contact::parameters::{Control, Formulation, Inputs, Mesh, Parameters, TimeIntegration};
+use cartilage_contact::parameters::{Control, Formulation, Inputs, Mesh, Parameters, Preset, TimeIntegration};
 use cartilage_contact::simulation::{Drive, Input, Simulation};
 
 const MICRON: f64 = 1e-6;
@@ -640,4 +640,58 @@ fn derivatives_by_time() {
             assert!(error < 1e-2, "{control:?} {name}: {rate:e}, by differences {difference:e} ({error:e})");
         }
     }
+}
+
+/// Other parameters during a run: twice as viscous a fluid leaves a film under the same load half as fast, from where it was.
+#[test]
+fn other_parameters_go_on_from_what_film_and_tissue_hold() {
+    for formulation in [Formulation::Paper, Formulation::Consistent] {
+        let first = coarse(formulation, Control::Load);
+        let mut simulation = Simulation::new(&first).unwrap();
+        simulation.solve_steady(load(20.0, 0.2)).unwrap();
+        let still = Drive::constant(load(20.0, 0.0));
+        let short = 1e-5;
+        let step = |simulation: &mut Simulation| {
+            let before = simulation.outputs().penetration_depth;
+            simulation.advance(still, short).unwrap();
+            (simulation.outputs().penetration_depth - before) / short
+        };
+        simulation.advance(still, 1e-3).unwrap();
+        let as_it_was = step(&mut simulation);
+        // Twice the permeability too: tissue then drains as before.
+        let mut viscous = first;
+        viscous.viscosity *= 2.0;
+        viscous.upper.permeability *= 2.0;
+        viscous.lower.permeability *= 2.0;
+        let results = simulation.outputs().clone();
+        let mut simulation = simulation.with_parameters(&viscous).unwrap();
+        assert_eq!(*simulation.outputs(), results);
+        let halved = step(&mut simulation);
+        assert!(as_it_was > 3e-5, "{as_it_was} m/s");
+        assert_relative_eq!(halved, 0.5 * as_it_was, max_relative = 0.05);
+    }
+}
+
+/// Where rows follow the permeability, fields go over to the new ones; where only one body changes, there are two from then on.
+#[test]
+fn other_parameters_are_reached_on_other_rows_and_with_one_body_changed() {
+    let preset = Parameters {
+        mesh: Mesh { columns: 64, rows: 6, ..Preset::HumanNormal.parameters().mesh },
+        ..Preset::HumanNormal.parameters()
+    };
+    let mut simulation = Simulation::new(&preset).unwrap();
+    simulation.solve_steady(depth(10.0, 0.1)).unwrap();
+    let before = simulation.outputs().load;
+    let mut changed = preset;
+    changed.upper.permeability *= 20.0;
+    let mut simulation = simulation.with_parameters(&changed).unwrap();
+    assert_eq!(simulation.outputs().load, before);
+    simulation.solve_steady(depth(10.0, 0.1)).unwrap();
+    let mut fresh = Simulation::new(&changed).unwrap();
+    fresh.solve_steady(depth(10.0, 0.1)).unwrap();
+    assert_relative_eq!(simulation.outputs().load, fresh.outputs().load, max_relative = 1e-6);
+    assert!((before / fresh.outputs().load - 1.0).abs() > 1e-3, "the permeability plays a part");
+
+    let finer = Parameters { mesh: Mesh { rows: 7, ..changed.mesh }, ..changed };
+    assert!(matches!(simulation.with_parameters(&finer), Err(Error::State(_))));
 }

@@ -1,7 +1,11 @@
 //! Numbers and units as people read them.
 
+use std::path::Path;
+
+use cartilage_contact::error::Error;
+use cartilage_contact::files;
 use cartilage_contact::parameters::Value;
-use cartilage_contact::variables::Variable;
+use cartilage_contact::variables::{VARIABLES, Variable};
 
 /// A number with this many significant digits, without trailing zeros.
 pub fn number(value: f64, digits: usize) -> String {
@@ -33,6 +37,34 @@ pub fn shown(variable: &Variable, value: &Value) -> (String, &'static str) {
         Value::Text(word) => (word.clone(), ""),
         other => (other.to_string(), ""),
     }
+}
+
+/// The unit of a column of a table; 1 for none.
+pub fn unit(column: &str) -> &'static str {
+    let known = VARIABLES.iter().find(|variable| variable.name == column).map(|variable| variable.unit.name());
+    match (column, known) {
+        ("time", _) => "s",
+        ("cumulative_net_fluid_exudation", _) => "m2",
+        (_, None | Some("")) => "1",
+        (_, Some(name)) => name,
+    }
+}
+
+/// Units and meanings of a table's columns in a file beside it: `stribeck.units.csv` for `stribeck.csv`.
+///
+/// # Errors
+/// [`Error::File`] naming the file that could not be written.
+pub fn write_units<'a>(table: &Path, columns: impl Iterator<Item = &'a str>) -> Result<(), Error> {
+    let path = table.with_extension("units.csv");
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut rows = vec![["column", "unit", "description"]];
+    rows.extend(columns.map(|column| {
+        let found = VARIABLES.iter().find(|variable| variable.name == column);
+        [column, unit(column), found.map_or("", |variable| variable.description)]
+    }));
+    rows.iter().try_for_each(|row| writer.write_record(row)).map_err(|error| files::unwritten(&path, error))?;
+    let bytes = writer.into_inner().map_err(|error| files::unwritten(&path, error))?;
+    files::replace(&path, &bytes)
 }
 
 #[cfg(test)]

@@ -3,10 +3,14 @@
 use std::path::Path;
 use std::time::Duration;
 
+use cartilage_contact::error::Error;
+use cartilage_contact::fields::InterfaceFields;
 use cartilage_contact::files;
 use cartilage_contact::fmi::archive;
 use cartilage_contact::fmi::importer::Importer;
 use cartilage_contact::outputs::Regime;
+use cartilage_contact::parameters::{Inputs, Parameters};
+use cartilage_contact::simulation::Simulation;
 use cartilage_contact::variables::{self, Type};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -54,6 +58,7 @@ pub fn run() -> Result<(), Failure> {
     let stem = fmu.with_file_name("press_and_release");
     let csv = stem.with_extension("csv");
     files::replace(&csv, &to_csv(&recording).map_err(|error| files::unwritten(&csv, error))?)?;
+    format::write_units(&csv, recording.names.iter().map(String::as_str).chain(["lubrication_regime"]))?;
     let film = Film {
         time: recording.column("time"),
         depth: recording.column("penetration_depth"),
@@ -67,8 +72,8 @@ pub fn run() -> Result<(), Failure> {
         contact_length: recording.column("contact_length"),
         profiles: recording.profiles,
     };
-    let [svg, png] = figures::press_and_release::save(&stem, &film)?;
-    print(&format!("\nWrote {}, {} and {}\n", csv.display(), svg.display(), png.display()))
+    let [svg, png, pdf] = figures::press_and_release::save(&stem, &film)?;
+    print(&format!("\nWrote {}, {}, {} and {}\n", csv.display(), svg.display(), png.display(), pdf.display()))
 }
 
 /// Drives the FMU through its C interface.
@@ -127,7 +132,7 @@ fn record(fmu: &Path) -> Result<Recording, String> {
         let regime = usize::try_from(regime - 1).ok().and_then(|index| Regime::ITEMS.get(index));
         recording.regimes.push(regime.map_or("unknown", |(name, _)| name));
         if index as i32 <= LAST - FIRST && PROFILED.contains(&depth) {
-            recording.profiles.push(profile(&importer, metres, time)?);
+            recording.profiles.push(profile(metres, time).map_err(|error| error.to_string())?);
         }
         bar.inc(1);
     }
@@ -135,15 +140,13 @@ fn record(fmu: &Path) -> Result<Recording, String> {
     Ok(recording)
 }
 
-fn profile(importer: &Importer, depth: f64, time: f64) -> Result<Profile, String> {
-    Ok(Profile {
-        depth,
-        time,
-        position: importer.profile("position")?,
-        film_thickness: importer.profile("film_thickness")?,
-        fluid_pressure: importer.profile("fluid_pressure")?,
-        contact_pressure: importer.profile("contact_pressure")?,
-    })
+/// At the nodes of the mesh, which the FMU's stations are too few to show.
+fn profile(depth: f64, time: f64) -> Result<Profile, Error> {
+    let mut simulation = Simulation::new(&Parameters::default())?;
+    simulation.solve_steady(Inputs { penetration_depth: depth, sliding_speed: SPEED, ..Inputs::default() })?;
+    let InterfaceFields { position, film_thickness, fluid_pressure, contact_pressure, .. } =
+        simulation.fields().map(|fields| fields.interface).unwrap_or_default();
+    Ok(Profile { depth, time, position, film_thickness, fluid_pressure, contact_pressure })
 }
 
 /// A few lines of the press, and where the solids first touched.

@@ -99,9 +99,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let csv = folder.path().join("sensitivity.csv");
     let text = to_csv(&depths, &responses).map_err(|error| unwritten(&csv, error))?;
     files::replace(&csv, &text)?;
-    let [svg, png] = figures::tornado::save(&folder.path().join("sensitivity"), &depths, &responses)?;
+    let [svg, png, pdf] = figures::tornado::save(&folder.path().join("sensitivity"), &depths, &responses)?;
     print(&table(&depths, &responses))?;
-    print(&format!("\nWrote {}, {} and {}\n", csv.display(), svg.display(), png.display()))
+    print(&format!("\nWrote {}, {}, {} and {}\n", csv.display(), svg.display(), png.display(), pdf.display()))
 }
 
 /// The case with one parameter multiplied by 1 + change, or as much as is allowed, and by what it was multiplied; `None` where

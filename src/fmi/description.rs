@@ -152,6 +152,9 @@ fn type_name(variable: &Variable) -> String {
 fn role(variable: &Variable) -> &'static str {
     match (variable.source, variable.data_type()) {
         (Source::Input(_), _) => "causality=\"input\" variability=\"continuous\"",
+        (Source::Parameter(row), _) if row.is_tunable() => {
+            "causality=\"parameter\" variability=\"tunable\" initial=\"exact\""
+        }
         (Source::Parameter(_), _) => "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"",
         (_, Type::Real) => "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
         _ => "causality=\"output\" variability=\"discrete\" initial=\"calculated\"",

@@ -19,6 +19,7 @@ pub fn html() -> String {
         ("profiles", profiles()),
         ("parameters", settable(|variable| matches!(variable.source, Source::Parameter(_)))),
         ("choices", choices()),
+        ("tunable", tunable()),
     ];
     fillings.iter().fold(PROSE.to_owned(), |page, (name, text)| page.replace(&format!("{{{{{name}}}}}"), text))
 }
@@ -61,6 +62,12 @@ fn settable(wanted: fn(&Variable) -> bool) -> String {
             vec![code(variable.name), variable.unit.name().into(), start(variable), range, meaning]
         }),
     )
+}
+
+fn tunable() -> String {
+    let names =
+        VARIABLES.iter().filter(|variable| matches!(variable.source, Source::Parameter(row) if row.is_tunable()));
+    names.map(|variable| code(&variable.name)).collect::<Vec<_>>().join(", ")
 }
 
 fn results() -> String {

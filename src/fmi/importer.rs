@@ -16,7 +16,6 @@ use zip::ZipArchive;
 use crate::fmi::archive;
 use crate::fmi::description;
 use crate::fmi::fmi3::{fmi3Boolean, fmi3IntermediateUpdateCallback, fmi3LogMessageCallback};
-use crate::outputs::STATIONS;
 use crate::variables::VARIABLES;
 
 type Instantiate = unsafe extern "C" fn(
@@ -200,16 +199,6 @@ impl Importer {
         let mut value = [false];
         self.get(c"fmi3GetBoolean", name, &mut value)?;
         Ok(value[0])
-    }
-
-    /// Values of a profile at all stations.
-    ///
-    /// # Errors
-    /// The name that there is not, or what the FMU logged.
-    pub fn profile(&self, name: &str) -> Result<Vec<f64>, String> {
-        let mut values = vec![0.0; STATIONS];
-        self.get(c"fmi3GetFloat64", &format!("{name}[1]"), &mut values)?;
-        Ok(values)
     }
 
     fn get<T>(&self, function: &CStr, name: &str, values: &mut [T]) -> Result<(), String> {

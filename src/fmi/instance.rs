@@ -271,19 +271,29 @@ impl Instance {
             let Some(value) = convert(variable.data_type(), *value) else {
                 return refuse(self.standard.wrong_type(element, self.standard.functions(wanted)));
             };
-            if matches!(variable.source, Source::Parameter(_)) && self.settings.phase == Phase::StepComplete {
-                return refuse(format!(
-                    "{} = {value} comes too late: it is a fixed parameter, to be set before initialization ends",
-                    variable.name
-                ));
+            if let Source::Parameter(row) = variable.source
+                && self.settings.phase == Phase::StepComplete
+            {
+                if !row.is_tunable() {
+                    return refuse(format!(
+                        "{} = {value} comes too late: it is a fixed parameter, to be set before initialization ends",
+                        variable.name
+                    ));
+                }
+                if row.get(&parameters) == value {
+                    continue;
+                }
             }
             variable.set(&mut parameters, &mut inputs, &value).map_err(|error| counted(variable, error))?;
         }
-        if self.settings.phase != Phase::StepComplete {
+        if self.settings.phase == Phase::StepComplete {
+            // The next step takes them; until then the results are those of the step before.
+            parameters.validate()?;
+        } else {
             self.settings.solved &= inputs == self.settings.inputs && parameters == self.settings.parameters;
-        }
-        if parameters != self.settings.parameters {
-            self.model = None;
+            if parameters != self.settings.parameters {
+                self.model = None;
+            }
         }
         (self.settings.parameters, self.settings.inputs) = (parameters, inputs);
         Ok(())
@@ -316,7 +326,17 @@ impl Instance {
                 variable.set(&mut parameters, &mut target, &Value::Real(value))?;
             }
         }
+        let mut before = None;
+        if let Some(model) = &mut self.model
+            && *model.parameters() != self.settings.parameters
+        {
+            let tuned = model.with_parameters(&self.settings.parameters)?;
+            before = self.model.replace(tuned);
+        }
         if let Err(refusal) = self.solve(|model| model.advance(drive, step)) {
+            if before.is_some() {
+                self.model = before;
+            }
             // FMI 3 has no state for this: the instance is where it was, and a smaller step may follow.
             if refusal.status == Status::Discard && self.standard == Standard::Fmi2 {
                 self.settings.phase = Phase::StepFailed;
@@ -349,9 +369,9 @@ impl Instance {
     pub fn restore(&mut self, saved: &SavedState) -> Answer<()> {
         match (&saved.model, &mut self.model) {
             (None, slot) => *slot = None,
-            (Some(state), Some(model)) if *model.parameters() == saved.settings.parameters => model.restore(state)?,
-            (Some(state), slot) => {
-                let mut model = Model::new(&saved.settings.parameters, self.resources.as_deref())?;
+            (Some((parameters, state)), Some(model)) if model.parameters() == parameters => model.restore(state)?,
+            (Some((parameters, state)), slot) => {
+                let mut model = Model::new(parameters, self.resources.as_deref())?;
                 model.restore(state)?;
                 *slot = Some(model);
             }

@@ -61,6 +61,17 @@ impl Model {
         Ok(Self::Reduced(Box::new(table)))
     }
 
+    /// The present state under other parameters, see [`Simulation::with_parameters`].
+    ///
+    /// # Errors
+    /// Those of it; for the real-time model, that it has none but its own.
+    pub fn with_parameters(&mut self, parameters: &Parameters) -> Result<Self, Error> {
+        match self {
+            Self::Full(simulation) => Ok(Self::Full(Box::new(simulation.with_parameters(parameters)?))),
+            Self::Reduced(_) => Err(Error::State("the real-time model keeps its parameters during a run".into())),
+        }
+    }
+
     /// The parameters it was made with.
     pub fn parameters(&self) -> &Parameters {
         match self {
@@ -138,14 +149,22 @@ impl Model {
         }
     }
 
-    /// A line for the log: what the last solution took.
+    /// A line for the log: what the last solution found, and what it took.
     pub fn report(&self) -> String {
         let View { inputs, outputs, .. } = self.view();
         let how = match self {
-            Self::Full(_) => format!("{} Newton iterations", outputs.newton_iterations),
-            Self::Reduced(_) => "reduced model".into(),
+            Self::Full(_) => format!("in {} Newton iterations", outputs.newton_iterations),
+            Self::Reduced(_) => "by the real-time model".into(),
         };
-        format!("solved {inputs:?}: {how}, {:.6e} N/m", outputs.load)
+        let Inputs { sliding_speed, slide_to_roll_ratio, .. } = inputs;
+        format!(
+            "solved {how}: penetration depth {:.6} um, sliding speed {sliding_speed} m/s, slide-to-roll ratio \
+             {slide_to_roll_ratio}; load {:.6} N/m, friction coefficient {:.4}, least film thickness {:.4} um",
+            1e6 * outputs.penetration_depth,
+            outputs.load,
+            outputs.friction_coefficient,
+            1e6 * outputs.minimum_film_thickness
+        )
     }
 
     /// What mesh and sector do not resolve of the last solution.

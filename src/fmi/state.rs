@@ -49,7 +49,8 @@ impl Default for Settings {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SavedState {
     pub(super) settings: Settings,
-    pub(super) model: Option<ModelState>,
+    /// With the parameters that it was solved for: those of the settings may have been tuned since.
+    pub(super) model: Option<(Parameters, ModelState)>,
 }
 
 const MAGIC: &[u8] = b"CartilageLineContact state ";
@@ -57,7 +58,7 @@ const CHECK_SUM_LENGTH: usize = 16;
 
 impl SavedState {
     pub(super) fn new(settings: &Settings, model: Option<&Model>) -> Self {
-        Self { settings: settings.clone(), model: model.map(Model::save) }
+        Self { settings: settings.clone(), model: model.map(|model| (*model.parameters(), model.save())) }
     }
 
     /// The bytes that [`SavedState::from_bytes`] reads.
@@ -137,7 +138,9 @@ mod tests {
             let Ok(state) = SavedState::from_bytes(&bytes) else { continue };
             read += 1;
             // Another mesh would only take long.
-            if state.settings.parameters.mesh != saved.settings.parameters.mesh || instance.restore(&state).is_err() {
+            let meshes = [Some(state.settings.parameters.mesh), state.model.as_ref().map(|(solved, _)| solved.mesh)];
+            let mesh = saved.settings.parameters.mesh;
+            if meshes.into_iter().flatten().any(|other| other != mesh) || instance.restore(&state).is_err() {
                 continue;
             }
             restored += 1;

@@ -59,6 +59,11 @@ pub struct Parameter {
     pub kind: Kind,
 }
 
+/// Parameters that may change during a run: of the fluid, of friction, and of how tissue and surfaces let fluid pass. The next step
+/// uses them, and what tissue and film hold is kept.
+const TUNABLE: [&str; 5] =
+    ["viscosity", "boundary_friction_coefficient", "upper.permeability", "lower.permeability", "surface_roughness"];
+
 /// The value of a parameter or an input, as given by a user.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
@@ -136,6 +141,11 @@ impl Parameter {
             _ => return refuse(),
         }
         Ok(())
+    }
+
+    /// Whether it may change during a run.
+    pub fn is_tunable(&self) -> bool {
+        TUNABLE.contains(&self.name)
     }
 
     /// What is allowed, in words.

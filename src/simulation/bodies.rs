@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::equations::grid;
+use crate::equations::grid::{self, Grid};
 use crate::equations::system::{At, Direction, Rates, Residual, System, boundary_friction};
 use crate::error::Error;
 use crate::memory;
@@ -262,8 +262,9 @@ impl Bodies {
 
     /// The same fields on the mesh of another contact.
     pub fn remeshed(&mut self, point: &Point, contact_half_width: f64) -> Point {
+        let grid = Grid::new(&self.parameters, contact_half_width);
         let system = self.system_of(point);
-        let unknowns = system.interpolated(&point.unknowns, contact_half_width);
+        let unknowns = system.interpolated(&point.unknowns, &grid);
         let active = system.interpolated_contact(&point.active, contact_half_width);
         let contact_forces = vec![0.0; active.len()];
         Point { contact_half_width, unknowns, active, contact_forces, ..point.clone() }

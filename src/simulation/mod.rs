@@ -15,6 +15,7 @@ pub use self::drive::Drive;
 use self::predictor::Kept;
 use self::steady::Steady;
 use self::transient::Motion;
+use crate::equations::grid::Grid;
 use crate::equations::system::{Rates, System};
 use crate::error::Error;
 use crate::fields::{Fields, Solution};
@@ -125,6 +126,34 @@ impl Simulation {
     /// Works on up to this many threads; on one unless told otherwise. The results are the same bits.
     pub fn set_threads(&mut self, threads: usize) {
         self.bodies.set_threads(threads);
+    }
+
+    /// The present state under other parameters, from where the next step goes on. Fields and results are those of before until then,
+    /// so that what tissue and film hold is kept.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`]; also [`Error::State`] where the unknowns are others: another number of elements, smooth surfaces in place
+    /// of rough ones.
+    pub fn with_parameters(&mut self, parameters: &Parameters) -> Result<Self, Error> {
+        let mut next = Self::new(parameters)?;
+        let Some(State { point, iterations, drive, duration, .. }) = self.state.clone() else { return Ok(next) };
+        let mirrored = point.mirrored && next.bodies.equal();
+        let mut point = self.bodies.converted(point, mirrored);
+        let grid = Grid::new(parameters, point.contact_half_width);
+        let count = next.bodies.system(mirrored).unknowns();
+        let rough = |parameters: &Parameters| parameters.surface_roughness > 0.0;
+        if count != point.unknowns.len() || grid.stations.len() != point.active.len() {
+            return Err(Error::State("another mesh needs a new run".into()));
+        }
+        if rough(parameters) != rough(self.parameters()) {
+            return Err(Error::State("rough surfaces stay rough and smooth ones smooth during a run".into()));
+        }
+        point.unknowns = self.bodies.system_of(&point).interpolated(&point.unknowns, &grid);
+        next.bodies.system_of(&point);
+        next.state = Some(State { point, iterations, drive, duration, path: Path::Steady(None, None) });
+        (next.inputs, next.outputs) = (self.inputs, self.outputs.clone());
+        (next.warnings, next.position) = (self.warnings.clone(), self.position.clone());
+        Ok(next)
     }
 
     /// The parameters it was made with.

@@ -260,3 +260,51 @@ fn a_profile_is_one_array_in_fmi3_and_its_stations_are_variables_in_fmi2() {
         assert_eq!(scalars.get_real(&format!("film_thickness[{}]", station + 1)).to_bits(), value.to_bits());
     }
 }
+
+/// A tunable parameter is that of the next step, which starts from what film and tissue hold: the same as a run that had it from
+/// before, where the state does not depend on it.
+#[test]
+fn tunable_parameters_are_those_of_the_next_step() {
+    for standard in BOTH {
+        let fmu = Fmu::in_phase(standard, Phase::StepComplete);
+        assert_eq!(fmu.step(0.0, 0.1), OK);
+        let [load, viscous, ratio] =
+            ["load", "upper_friction_force", "friction_coefficient"].map(|name| fmu.get_real(name));
+        let mut before = null_mut();
+        assert_eq!(fmu.get_state(&mut before), OK);
+        // Twice the viscosity and twice the permeability leave the tissue's drainage as it is, and the film carries more.
+        for (name, factor) in [("viscosity", 2.0), ("upper.permeability", 2.0), ("lower.permeability", 2.0)] {
+            assert_eq!(fmu.set_real(name, factor * fmu.get_real(name)), OK);
+        }
+        assert_eq!(fmu.get_real("load").to_bits(), load.to_bits(), "the step before had others");
+        let mut pending = null_mut();
+        assert_eq!(fmu.get_state(&mut pending), OK);
+        assert_eq!(fmu.step(0.1, 0.1), OK);
+        let tuned = ["load", "upper_friction_force", "friction_coefficient"].map(|name| fmu.get_real(name));
+        assert!(tuned[0] > 1.5 * load && tuned[1] > 1.5 * viscous && tuned[2] != ratio, "{tuned:?}");
+        // A run that had them from the start ends there too.
+        let other = Fmu::in_phase(standard, Phase::Initialization);
+        for name in ["viscosity", "upper.permeability", "lower.permeability"] {
+            assert_eq!(other.set_real(name, 2.0 * other.get_real(name)), OK);
+        }
+        assert_eq!(other.exit_initialization(), OK);
+        let expected = other.get_real("load");
+        assert!((tuned[0] - expected).abs() < 1e-6 * expected, "{} {expected}", tuned[0]);
+        // Saved between setting and step: the results of before, then the same bits.
+        assert_eq!(fmu.set_state(pending), OK);
+        assert_eq!(fmu.get_real("load").to_bits(), load.to_bits());
+        assert_eq!(fmu.step(0.1, 0.1), OK);
+        assert_eq!(fmu.get_real("load").to_bits(), tuned[0].to_bits());
+        assert_eq!(fmu.set_state(before), OK);
+        assert_eq!(fmu.get_real("viscosity"), 1e-3, "as it was");
+        fmu.free_state(before);
+        fmu.free_state(pending);
+        // What does not fit is refused and can be put right.
+        assert_eq!(fmu.set_real("surface_roughness", 1e-6), OK);
+        assert_eq!(fmu.step(0.1, 0.1), ERROR);
+        assert!(fmu.message().contains("rough surfaces stay rough"));
+        assert_eq!(fmu.set_real("surface_roughness", 0.0), OK);
+        assert_eq!(fmu.step(0.1, 0.1), OK);
+        assert!((fmu.get_real("load") - load).abs() < 1e-6 * load);
+    }
+}

@@ -80,8 +80,18 @@ def test_every_length_pressure_force_and_speed_has_a_unit(description):
 def test_display_units_run_from_si(description):
     for unit in description.unitDefinitions:
         for display in unit.displayUnits:
-            expected = {"mm": 1e3, "um": 1e6, "mm/s": 1e3, "deg": 180 / math.pi, "kPa": 1e-3, "MPa": 1e-6}
+            expected = {"mm": 1e3, "um": 1e6, "mm/s": 1e3, "deg": 180 / math.pi, "kPa": 1e-3, "MPa": 1e-6, "um2": 1e12,
+                        "mm2": 1e6, "1/MPa": 1e6, "1/GPa": 1e9, "mPa.s": 1e3, "mN": 1e3, "kN": 1e-3, "N/mm": 1e-3,
+                        "N/um": 1e-6, "mm2/s": 1e6, "um2/s": 1e12, "ms": 1e3}
             assert float(display.factor) == pytest.approx(expected[display.name], rel=1e-12)
+
+
+def test_every_unit_has_one_for_display_and_what_may_be_tuned_is_a_parameter(description):
+    assert all(unit.displayUnits for unit in description.unitDefinitions)
+    tunable = {variable.name: variable for variable in description.modelVariables if variable.variability == "tunable"}
+    assert set(tunable) == {"viscosity", "boundary_friction_coefficient", "upper.permeability", "lower.permeability",
+                            "surface_roughness"}
+    assert all(variable.causality == "parameter" for variable in tunable.values())
 
 
 def test_start_values_lie_in_their_ranges_and_zero_is_an_input(description):

@@ -50,3 +50,17 @@ def test_rates_of_outputs_are_those_of_the_motion(instantiate):
         contact.step(2e-5)
         for name, rate, old, new in zip(names, rates, before, contact.get(*names)):
             assert (new - old) / 2e-5 == pytest.approx(rate, rel=2e-2), name
+
+
+def test_a_tunable_parameter_changes_during_a_run(fmu):
+    """A master gives it like an input; the state at the end is that of a run that had it from the start."""
+    parameters = {**COARSE, "penetration_depth": 0.0}
+    rows = [(0.0, 1e-3), (0.5, 1e-3), (0.5, 2e-3), (1.0, 2e-3)]
+    tuned = run(fmu, ["viscosity"], rows, output=["load"], output_interval=0.25, start_values=parameters)["load"]
+    first, last = (
+        simulate_fmu(fmu, stop_time=0.25, output_interval=0.25, output=["load"], start_values={**parameters, "viscosity": value})
+        for value in (1e-3, 2e-3)
+    )
+    assert tuned[:3] == pytest.approx(3 * [first["load"][-1]], rel=1e-6)
+    assert tuned[3:] == pytest.approx(2 * [last["load"][-1]], rel=1e-6)
+    assert last["load"][-1] > 1.3 * first["load"][-1]

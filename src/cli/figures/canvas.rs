@@ -1,4 +1,4 @@
-//! Where figures are drawn: lines, areas and text in points, written as SVG and as PNG.
+//! Where figures are drawn: lines, areas and text in points, written as SVG, as PNG and as PDF.
 //!
 //! The one place that knows the plotting library. Text is measured and, in the PNG, drawn with a font that is part of the
 //! program, so that figures look alike on machines that have no fonts installed.
@@ -14,6 +14,8 @@ use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{PathElement, Polygon, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, WHITE};
+
+use super::pdf;
 
 /// Pixels a point, before the PNG is averaged down and the SVG is scaled down. The plotting library rounds to whole pixels
 /// and does not smooth thick lines; this hides both.
@@ -167,17 +169,19 @@ fn to_pixels((width, height): (u32, u32), draw: Draw<'_>) -> Result<Vec<u8>, Str
     Ok((0..rows * columns * 3).map(|i| average(i / 3 / columns, i / 3 % columns, i % 3)).collect())
 }
 
-/// Writes a figure as `stem.svg` and `stem.png`, and returns the two paths.
+/// Writes a figure as `stem.svg`, `stem.png` and `stem.pdf`, and returns the paths.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, size: (u32, u32), draw: Draw<'_>) -> Result<[PathBuf; 2], Error> {
-    let [svg, png] = [stem.with_extension("svg"), stem.with_extension("png")];
+pub fn save(stem: &Path, size: (u32, u32), draw: Draw<'_>) -> Result<[PathBuf; 3], Error> {
+    let [svg, png, pdf] = ["svg", "png", "pdf"].map(|ending| stem.with_extension(ending));
     let text = to_svg(size, draw).map_err(|message| files::unwritten(&svg, message))?;
     files::replace(&svg, text.as_bytes())?;
     let bytes = to_pixels(size, draw).and_then(|pixels| png_bytes(size, &pixels));
     files::replace(&png, &bytes.map_err(|message| files::unwritten(&png, message))?)?;
-    Ok([svg, png])
+    let document = pdf::document(size, draw).map_err(|message| files::unwritten(&pdf, message))?;
+    files::replace(&pdf, &document)?;
+    Ok([svg, png, pdf])
 }
 
 fn png_bytes((width, height): (u32, u32), pixels: &[u8]) -> Result<Vec<u8>, String> {

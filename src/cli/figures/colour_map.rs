@@ -66,10 +66,10 @@ impl ColourMap {
             let y = at((value - low) / (high - low));
             canvas.line(&[(right, y), (right + 5.0, y)], palette::BLACK, 1.2)?;
             let number = tick_label(value);
-            canvas.text(&number, (right + 8.0, y), &Lettering::plain(15.0, HPos::Left, VPos::Center))?;
+            canvas.text(&number, (right + 8.0, y), &Lettering::plain(21.0, HPos::Left, VPos::Center))?;
         }
-        let style = Lettering { upwards: true, ..Lettering::plain(16.0, HPos::Center, VPos::Bottom) };
-        canvas.text(label, (right + 66.0, 0.5 * (top + bottom)), &style)
+        let style = Lettering { upwards: true, ..Lettering::plain(21.0, HPos::Center, VPos::Bottom) };
+        canvas.text(label, (right + 80.0, 0.5 * (top + bottom)), &style)
     }
 
     /// A body filled with a nodal field. `at` says where a node is on the canvas; nothing is drawn outside `frame`.

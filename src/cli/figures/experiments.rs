@@ -43,7 +43,7 @@ pub struct Picture {
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, picture: &Picture) -> Result<[PathBuf; 2], Error> {
+pub fn save(stem: &Path, picture: &Picture) -> Result<[PathBuf; 3], Error> {
     let axis = |k: usize| {
         let (label, scale) = picture.axes[k];
         let values = picture.curves.iter().flat_map(|curve| curve.points.iter());

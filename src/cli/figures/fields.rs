@@ -24,11 +24,11 @@ const HALF_LENGTH: f64 = 6.0;
 /// Half the height of the enlarged film [micron].
 const FILM_HEIGHT: f64 = 20.0;
 
-/// Writes a figure as SVG and PNG.
+/// Writes the figure as SVG, PNG and PDF.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, fields: &Fields, picture: Picture) -> Result<[PathBuf; 2], Error> {
+pub fn save(stem: &Path, fields: &Fields, picture: Picture) -> Result<[PathBuf; 3], Error> {
     match picture {
         Picture::Bodies => canvas::save(stem, (1600, 900), &|canvas| bodies(canvas, fields)),
         Picture::Interface => canvas::save(stem, (1600, 1000), &|canvas| interface(canvas, fields)),
@@ -39,7 +39,7 @@ fn heading(canvas: &dyn Canvas, title: &str, fields: &Fields, more: &str) -> Res
     let style = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     let depth = tick_label((fields.inputs.penetration_depth * 1e9).round() / 1e3);
     canvas.text(&format!("{title}, d = {depth} \u{b5}m"), (40.0, 20.0), &style)?;
-    let style = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
+    let style = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     let speed = tick_label(fields.inputs.sliding_speed);
     canvas.text(&format!("Sliding speed {speed} m/s, both surfaces move to the right. {more}"), (40.0, 58.0), &style)
 }
@@ -52,16 +52,11 @@ fn shown(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
-    heading(
-        canvas,
-        "Pressure and stress in the two layers",
-        fields,
-        "Deformed heights over undeformed positions; below, the film enlarged.",
-    )?;
+    heading(canvas, "Pressure and stress in the two layers", fields, "Deformed heights over undeformed positions.")?;
     type Get = fn(&BodyFields) -> &Vec<f64>;
     let columns: [(&str, &str, Get); 2] = [
         ("(a) Fluid pressure", "p [kPa]", |b| &b.fluid_pressure),
-        ("(b) Von Mises stress of the solid", "\u{3c3} [kPa]", |b| &b.von_mises_stress),
+        ("(b) Von Mises stress", "\u{3c3} [kPa]", |b| &b.von_mises_stress),
     ];
     let half_length = 1e-3 * HALF_LENGTH;
     let visible = |body: &BodyFields, node: usize| body.reference_position[node][0].abs() < half_length;
@@ -75,15 +70,17 @@ fn bodies(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
         });
         let map = ColourMap { range: shown(values) };
         let left = 115.0 + 790.0 * index as f64;
-        let right = left + 560.0;
-        for (top, bottom, half_height, unit, title) in [
-            (140.0, 420.0, height, "y [mm]", title),
-            (500.0, 800.0, FILM_HEIGHT, "y [\u{b5}m]", "The same at the film"),
-        ] {
+        let right = left + 530.0;
+        for (top, bottom, half_height, unit, title) in
+            [(140.0, 420.0, height, "y [mm]", title), (500.0, 800.0, FILM_HEIGHT, "y [\u{b5}m]", "At the film")]
+        {
             let frame = (left, top, right, bottom);
             let factor = if half_height == FILM_HEIGHT { 1e6 } else { 1e3 };
+            // How many times as long a height is drawn as a length.
+            let stretch = (bottom - top) * factor * HALF_LENGTH / ((right - left) * half_height * 1e3);
+            let stretch = if stretch > 10.0 { stretch.round() } else { (10.0 * stretch).round() / 10.0 };
             let panel = Panel {
-                title: title.into(),
+                title: format!("{title}, heights \u{d7} {stretch}"),
                 x: Axis::linear("Position [mm]", (-HALF_LENGTH, HALF_LENGTH)),
                 y: Axis::linear(unit, (-half_height, half_height)),
                 label_x: factor == 1e6,
@@ -116,7 +113,7 @@ fn interface(canvas: &dyn Canvas, fields: &Fields) -> Result<(), String> {
     heading(canvas, "Along the interface", fields, "")?;
     for (index, panel) in interface_panels(fields).iter().enumerate() {
         let (left, top) = (120.0 + 785.0 * (index % 2) as f64, 132.0 + 430.0 * (index / 2) as f64);
-        panel::draw(canvas, (left, top, left + 655.0, top + 350.0), panel)?;
+        panel::draw(canvas, (left, top, left + 655.0, top + 345.0), panel)?;
     }
     Ok(())
 }
@@ -159,11 +156,11 @@ fn interface_panels(fields: &Fields) -> [Panel; 4] {
     [
         panel(
             "(a) Pressures",
-            "[kPa]",
+            "p, S [kPa]",
             false,
             vec![
                 curve(&f.fluid_pressure, 1e-3, "fluid p", BLUE, false),
-                curve(&touching, 1e-3, "solid Sn", VERMILION, false),
+                curve(&touching, 1e-3, "contact S", VERMILION, false),
             ],
         ),
         panel("(b) Flux along the film", "Q [mm\u{b2}/s]", false, vec![curve(&f.film_flux, 1e6, "", BLACK, false)]),

@@ -13,18 +13,18 @@ use crate::cli::gait::State;
 
 const SIZE: (u32, u32) = (1600, 1510);
 
-/// Writes the figure as SVG and PNG.
+/// Writes the figure as SVG, PNG and PDF.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, transient: &[State], steady: &[State]) -> Result<[PathBuf; 2], Error> {
+pub fn save(stem: &Path, transient: &[State], steady: &[State]) -> Result<[PathBuf; 3], Error> {
     canvas::save(stem, SIZE, &|canvas| draw(canvas, transient, steady))
 }
 
 fn draw(canvas: &dyn Canvas, transient: &[State], steady: &[State]) -> Result<(), String> {
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("A walking cycle", (40.0, 22.0), &title)?;
-    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
+    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     let text = "Load and speed are given, depth follows: in time, when the cycle repeats; and as the steady state of every instant. \
                 Dotted: sliding turns.";
     canvas.text(text, (40.0, 62.0), &subtitle)?;

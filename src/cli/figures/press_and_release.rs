@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::canvas::{self, Canvas, Lettering, palette};
 use super::panel::{self, Axis, Band, Line, Panel, Scale, range_of};
 
-/// State along the interface at one depth, SI.
+/// State along the interface at one depth, at the nodes of the mesh, SI.
 pub struct Profile {
     /// Penetration depth.
     pub depth: f64,
@@ -45,20 +45,20 @@ const PROFILE_COLOURS: [plotters::style::RGBColor; 3] = [palette::ORANGE, palett
 /// Half the length of the interface that the profiles show [mm].
 const HALF_LENGTH: f64 = 3.0;
 
-/// Writes the figure as SVG and PNG.
+/// Writes the figure as SVG, PNG and PDF.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, film: &Film) -> Result<[PathBuf; 2], Error> {
+pub fn save(stem: &Path, film: &Film) -> Result<[PathBuf; 3], Error> {
     canvas::save(stem, SIZE, &|canvas| draw(canvas, film))
 }
 
 fn draw(canvas: &dyn Canvas, film: &Film) -> Result<(), String> {
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("Two cartilage layers pressed together and released while they slide", (40.0, 22.0), &title)?;
-    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
+    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     canvas.text(
-        "Quasi-steady, 0.2 m/s, layers 1 mm thick of 100 mm radius (case of de Boer et al., 2020). Depth d: approach of the bones past first touch of the undeformed surfaces.",
+        "Quasi-steady, 0.2 m/s, layers 1 mm thick of 100 mm radius (de Boer et al., 2020). Depth d: approach of the bones past first touch.",
         (40.0, 62.0),
         &subtitle,
     )?;
@@ -172,7 +172,7 @@ fn profiles(film: &Film) -> [Panel; 2] {
             // Zero outside the contact says nothing.
             let values: Vec<f64> =
                 profile.contact_pressure.iter().map(|&p| if p > 0.0 { p } else { f64::NAN }).collect();
-            pressure.push(curve(profile, &values, 1e-3, format!("solid contact, {label}"), index, true));
+            pressure.push(curve(profile, &values, 1e-3, "solid".into(), index, true));
         }
     }
     let range = range_of(pressure.iter().flat_map(|line| line.points.iter().map(|point| point.1)), Scale::Linear);

@@ -18,18 +18,18 @@ const CURVE: u32 = 200;
 /// A result that is checked: its name, its error and what is allowed.
 type Quantity = (&'static str, fn(&Check) -> f64, f64);
 
-/// Writes the figure as SVG and PNG.
+/// Writes the figure as SVG, PNG and PDF.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, model: &ReducedModel, tolerance: &Tolerance) -> Result<[PathBuf; 2], Error> {
+pub fn save(stem: &Path, model: &ReducedModel, tolerance: &Tolerance) -> Result<[PathBuf; 3], Error> {
     canvas::save(stem, (1800, 1130), &|canvas| draw(canvas, model, tolerance))
 }
 
 fn draw(canvas: &dyn Canvas, model: &ReducedModel, tolerance: &Tolerance) -> Result<(), String> {
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("Errors of the real-time model", (40.0, 20.0), &title)?;
-    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
+    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     let text = format!(
         "at {} states of the full model that the table was not made from; orange: near first touch; vertical lines: what is asked for",
         model.checks().len()

@@ -21,11 +21,11 @@ const SMALLEST: f64 = 1e-9;
 /// A curve's points: Sommerfeld number and value.
 type Points = Vec<(f64, f64)>;
 
-/// Writes the figure as SVG and PNG. `radius` is that of the bodies [m], for the length over which undeformed circles overlap.
+/// Writes the figure as SVG, PNG and PDF. `radius` is that of the bodies [m], for the length over which undeformed circles overlap.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, table: &Table, radius: f64) -> Result<[PathBuf; 2], Error> {
+pub fn save(stem: &Path, table: &Table, radius: f64) -> Result<[PathBuf; 3], Error> {
     canvas::save(stem, SIZE, &|canvas| draw(canvas, table, radius))
 }
 
@@ -35,7 +35,7 @@ fn draw(canvas: &dyn Canvas, table: &Table, radius: f64) -> Result<(), String> {
     speeds.dedup();
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("Stribeck analysis of two sliding cartilage layers", (40.0, 20.0), &title)?;
-    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
+    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     let depth = table.numbers("penetration_depth").into_iter().map(|d| 1e6 * d);
     let depth = depth.fold((f64::MAX, f64::MIN), |(a, b), d| (a.min(d), b.max(d)));
     let shown = |values: &[f64]| values.iter().map(|v| tick_label(*v)).collect::<Vec<_>>().join(", ");
@@ -72,7 +72,8 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
     let overlap: Vec<f64> =
         depth.iter().map(|d| if *d > 0.0 { (d * (4.0 * radius - d)).sqrt() } else { f64::NAN }).collect();
     let approach: Vec<f64> = depth.iter().map(|d| d.abs()).collect();
-    let [pressure, stress] = ["maximum_fluid_pressure", "maximum_contact_pressure"].map(|n| table.numbers(n));
+    let [pressure, stress, von_mises] =
+        ["maximum_fluid_pressure", "maximum_contact_pressure", "maximum_von_mises_stress"].map(|n| table.numbers(n));
     let bands = regimes(table);
     let curve = |values: &[f64], factor: f64, label: &str, colour, dashed| {
         let scaled: Vec<f64> = values.iter().map(|v| if *v > SMALLEST { v * factor } else { f64::NAN }).collect();
@@ -88,34 +89,38 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
     shared_abscissa(vec![
         panel(
             "(a) Friction",
-            "[\u{2212}]",
+            "\u{3bc}, \u{393} [\u{2212}]",
             false,
             vec![
-                curve(&friction, 1.0, "friction coefficient \u{3bc}", BLACK, false),
+                curve(&friction, 1.0, "\u{3bc}", BLACK, false),
                 curve(&fluid_friction, 1.0, "\u{3bc} of the fluid", BLUE, true),
-                curve(&ratio, 1.0, "\u{393}: fluid / solid load", VERMILION, false),
+                curve(&ratio, 1.0, "\u{393} = fluid / solid load", VERMILION, false),
             ],
         ),
         panel(
             "(b) Lengths",
-            "[\u{b5}m]",
+            "b, h, |d| [\u{b5}m]",
             false,
             vec![
-                curve(&contact, 1e6, "contact length b", BLACK, false),
-                curve(&overlap, 1e6, "overlap if rigid", GREEN, true),
-                curve(&film, 1e6, "thinnest film", BLUE, false),
+                curve(&contact, 1e6, "contact b", BLACK, false),
+                curve(&overlap, 1e6, "overlap", GREEN, true),
+                curve(&film, 1e6, "film h", BLUE, false),
                 curve(&approach, 1e6, "depth |d|", VERMILION, true),
             ],
         ),
         panel(
-            "(c) Largest pressures on the interface",
-            "[kPa]",
+            "(c) Largest stresses",
+            "p, \u{3c3}, S [kPa]",
             true,
-            vec![curve(&pressure, 1e-3, "fluid", BLUE, false), curve(&stress, 1e-3, "solid", VERMILION, false)],
+            vec![
+                curve(&pressure, 1e-3, "fluid p", BLUE, false),
+                curve(&von_mises, 1e-3, "von Mises \u{3c3}", BLACK, true),
+                curve(&stress, 1e-3, "contact S", VERMILION, false),
+            ],
         ),
         panel(
             "(d) Loads",
-            "[N/m]",
+            "L [N/m]",
             true,
             vec![curve(&fluid, 1.0, "fluid", BLUE, false), curve(&solid, 1.0, "solid", VERMILION, false)],
         ),

@@ -12,11 +12,11 @@ use crate::cli::sensitivity::{RESULTS, Response};
 const ROW: f64 = 25.0;
 const NAMES: f64 = 190.0;
 
-/// Writes the figure as SVG and PNG.
+/// Writes the figure as SVG, PNG and PDF.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.
-pub fn save(stem: &Path, depths: &[f64], responses: &[Response]) -> Result<[PathBuf; 2], Error> {
+pub fn save(stem: &Path, depths: &[f64], responses: &[Response]) -> Result<[PathBuf; 3], Error> {
     let labels = labels(depths, responses);
     let height = 150.0 + RESULTS.len() as f64 * (labels.len() as f64 * ROW + 80.0);
     canvas::save(stem, (1600, height as u32), &|canvas| draw(canvas, depths, responses, &labels))
@@ -43,14 +43,14 @@ fn draw(canvas: &dyn Canvas, depths: &[f64], responses: &[Response], labels: &[&
         tick_label((-share(f64::min) * 1e6).round() / 1e6),
         tick_label((share(f64::max) * 1e6).round() / 1e6)
     );
-    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(19.0, HPos::Left, VPos::Top) };
+    let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     canvas.text(&text, (40.0, 58.0), &subtitle)?;
     let height = labels.len() as f64 * ROW;
     let width = (1560.0 - NAMES - 20.0) / depths.len() as f64;
     for (result, (_, name)) in RESULTS.iter().enumerate() {
         let top = 140.0 + result as f64 * (height + 80.0);
         for (row, label) in labels.iter().enumerate() {
-            let style = Lettering::plain(17.0, HPos::Right, VPos::Center);
+            let style = Lettering::plain(20.0, HPos::Right, VPos::Center);
             canvas.text(label, (NAMES + 8.0, top + (row as f64 + 0.5) * ROW), &style)?;
         }
         for (column, depth) in depths.iter().enumerate() {
@@ -82,7 +82,7 @@ fn bars(
     let grid = plotters::style::RGBColor(0xDD, 0xDD, 0xDD);
     for value in Axis::linear("", (-most, most)).ticks().0 {
         canvas.line(&[(at(value), top), (at(value), bottom)], grid, 1.0)?;
-        canvas.text(&tick_label(value), (at(value), bottom + 6.0), &Lettering::plain(16.0, HPos::Center, VPos::Top))?;
+        canvas.text(&tick_label(value), (at(value), bottom + 6.0), &Lettering::plain(20.0, HPos::Center, VPos::Top))?;
     }
     let mut drawn = false;
     for (row, label) in labels.iter().enumerate() {
@@ -102,6 +102,6 @@ fn bars(
         let style = Lettering { colour: palette::GREY, ..Lettering::plain(17.0, HPos::Center, VPos::Center) };
         canvas.text("the solids touch", (0.5 * (left + right), 0.5 * (top + bottom)), &style)?;
     }
-    let style = Lettering { bold: true, ..Lettering::plain(19.0, HPos::Left, VPos::Bottom) };
+    let style = Lettering { bold: true, ..Lettering::plain(21.0, HPos::Left, VPos::Bottom) };
     canvas.text(title, (left, top - 6.0), &style)
 }

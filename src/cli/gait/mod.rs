@@ -125,13 +125,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let csv = folder.path().join("gait.csv");
     let text = to_csv(&transient.cycles, &steady).map_err(|error| unwritten(&csv, error))?;
     files::replace(&csv, &text)?;
+    let header = String::from_utf8_lossy(&text).lines().next().unwrap_or_default().to_owned();
+    format::write_units(&csv, header.split(','))?;
     let last = transient.cycles.last().map_or(&[][..], Vec::as_slice);
-    let [svg, png] = figures::gait::save(&folder.path().join("gait"), last, &steady)?;
+    let [svg, png, pdf] = figures::gait::save(&folder.path().join("gait"), last, &steady)?;
     let mut text = table(last, &steady) + "\n" + &verdict(&transient, arguments.periodicity);
     if let Some(first) = failures.first() {
         text += &format!("{} quasi-steady states were not found; the first: {first}\n", failures.len());
     }
-    print(&format!("{text}\nWrote {}, {} and {}\n", csv.display(), svg.display(), png.display()))
+    print(&format!("{text}\nWrote {}, {}, {} and {}\n", csv.display(), svg.display(), png.display(), pdf.display()))
 }
 
 /// The inputs at a communication point.

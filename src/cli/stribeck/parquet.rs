@@ -5,9 +5,12 @@ use std::sync::Arc;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
+
+use crate::cli::format;
 
 /// A column: numbers, or words.
 pub enum Column {
@@ -17,7 +20,7 @@ pub enum Column {
     Words(Vec<String>),
 }
 
-/// A file of named columns of equal length, none of them with gaps.
+/// A file of named columns of equal length, none of them with gaps; its metadata has their units, as JSON by the key `units`.
 pub fn file(columns: &[(&str, Column)]) -> Result<Vec<u8>, ParquetError> {
     let fields = columns.iter().map(|(name, column)| {
         let field = match column {
@@ -29,7 +32,11 @@ pub fn file(columns: &[(&str, Column)]) -> Result<Vec<u8>, ParquetError> {
         field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
     });
     let schema = Type::group_type_builder("stribeck").with_fields(fields.collect::<Result<_, _>>()?).build()?;
-    let mut file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(WriterProperties::default()))?;
+    let units: serde_json::Map<_, _> =
+        columns.iter().map(|(name, _)| ((*name).to_owned(), format::unit(name).into())).collect();
+    let units = KeyValue::new("units".to_owned(), serde_json::Value::Object(units).to_string());
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![units])).build();
+    let mut file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
     let mut group = file.next_row_group()?;
     for (_, column) in columns {
         let Some(mut writer) = group.next_column()? else { break };

@@ -123,6 +123,7 @@ impl Table {
         let order = |row: &Vec<String>| [1, 0].map(|index| row[index].parse::<f64>().unwrap_or(f64::NAN));
         self.rows.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal));
         self.writer = rewrite(&self.path, &self.rows)?;
+        format::write_units(&self.path, header())?;
         #[cfg(feature = "parquet")]
         self.write_parquet()?;
         Ok(())

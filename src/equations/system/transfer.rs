@@ -14,9 +14,9 @@ fn find(stations: &[f64], x: f64) -> (usize, f64) {
 }
 
 impl System {
-    /// The unknowns on the mesh of a contact of this half-width. Beyond the present sector everything is as at its end.
-    pub fn interpolated(&self, unknowns: &[f64], contact_half_width: f64) -> Vec<f64> {
-        let grid = Grid::new(&self.parameters, contact_half_width);
+    /// The unknowns on another mesh of as many elements. Beyond the present sector everything is as at its end.
+    pub fn interpolated(&self, unknowns: &[f64], grid: &Grid) -> Vec<f64> {
+        let present = Grid::new(&self.parameters, self.contact_half_width);
         let mut result = vec![0.0; unknowns.len()];
         let levels = self.layers[0].mesh.levels();
         let order = self.layers[0].mesh.pressure_order;
@@ -44,12 +44,17 @@ impl System {
             }
             put(layout.void[station], sum(pressure(order, s), &|i| layout.void[i]).max(0.0));
             for body in 0..self.layers.len() {
-                for level in 0..levels {
+                for (level, depth) in grid.depths[body].iter().enumerate() {
                     let node = station * levels + level;
-                    let of = |numbers: &'_ [u32], shape| sum(shape, &|i| numbers[i * levels + level]);
-                    put(layout.horizontal[body][node], of(&layout.horizontal[body], quadratic(s)));
-                    put(layout.vertical[body][node], of(&layout.vertical[body], quadratic(s)));
-                    put(layout.pressure[body][node], of(&layout.pressure[body], pressure(order, s)));
+                    let (surface, t) = find(&present.depths[body], *depth);
+                    let of = |numbers: &'_ [u32], along: [f64; 3], down: [f64; 3]| -> f64 {
+                        (0..3).map(|b| down[b] * sum(along, &|i| numbers[i * levels + surface + b])).sum()
+                    };
+                    let (along, down) = (quadratic(s), quadratic(t));
+                    put(layout.horizontal[body][node], of(&layout.horizontal[body], along, down));
+                    put(layout.vertical[body][node], of(&layout.vertical[body], along, down));
+                    let (along, down) = (pressure(order, s), pressure(order, t));
+                    put(layout.pressure[body][node], of(&layout.pressure[body], along, down));
                 }
             }
         }
