@@ -7,7 +7,7 @@ mod results;
 
 use num_dual::Dual64;
 
-use crate::equations::system::{At, Change, System, chain};
+use crate::equations::system::{At, Change, System};
 use crate::equations::tissue::Tissue;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
@@ -182,25 +182,18 @@ impl Solved<'_> {
             let local = |f: &[Dual64], shape: [f64; 3]| (0..3).map(|a| f[2 * column + a] * shape[a]).sum::<Dual64>();
             let half = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
-                let h = local(&gap, quadratic(s));
-                let h = if h.re > 0.0 || rough.is_some() { h } else { Dual64::from(0.0) };
-                let film = rough.map_or(h, |rough| chain(rough.thickness(h.re), h.eps));
-                rolling += film * local(&pressure, quadratic_derivative(s)) * (0.5 * w);
+                let gradient = local(&pressure, quadratic_derivative(s)) / half;
+                let [with_pressure, with_walls] =
+                    system.film().wall_shear(local(&gap, quadratic(s)), gradient, difference);
                 // Void drags nothing. Its jumps at the ends of the torn film make a parabola overshoot; straight lines do not.
                 let full = -local(&void_share, linear(s)) + 1.0;
-                let inverse = match rough {
-                    Some(rough) => {
-                        let (thickness, slope) = rough.thickness(h.re);
-                        chain(rough.inverse_thickness(thickness), slope * h.eps)
-                    }
-                    None => Dual64::from(1.0) / (h + p.shear_film_offset),
-                };
-                sliding += difference * full * (p.viscosity * half * w) * inverse;
+                rolling += with_pressure * (half * w);
+                sliding += with_walls * full * (half * w);
             }
         }
-        for [first, second] in system.film_end_shear(self.at, change) {
-            rolling += first;
-            sliding += difference * p.viscosity * second;
+        for [with_pressure, with_walls] in system.film_end_shear(self.at, change) {
+            rolling += with_pressure;
+            sliding += with_walls;
         }
         let (m, slopes) =
             mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);

@@ -6,7 +6,7 @@ mod tangent;
 mod transfer;
 mod update;
 
-pub use load::{Loads, chain};
+pub use load::Loads;
 pub use tangent::{At, Change, Direction};
 
 use serde::{Deserialize, Serialize};
@@ -20,9 +20,10 @@ use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::LayerMesh;
 use crate::laws::contact::mobilised_friction;
+use crate::laws::fluid::{Carreau, Fluid};
 use crate::laws::roughness::Roughness;
 use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
-use crate::laws::{Formulation, PermeabilityLaw, SolidLaw, darcy};
+use crate::laws::{FluidLaw, Formulation, PermeabilityLaw, SolidLaw, darcy};
 use crate::parameters::{Body, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
 
@@ -148,6 +149,21 @@ pub fn roughness(parameters: &Parameters) -> Option<Roughness> {
     })
 }
 
+/// The lubricant of the film. That in the pores has the viscosity at high shear rates: the long molecules that thin under shear stay in
+/// the film.
+pub fn fluid(parameters: &Parameters) -> Fluid {
+    let p = parameters;
+    match p.fluid_law {
+        FluidLaw::Newtonian => Fluid::Newtonian(p.viscosity),
+        FluidLaw::Carreau => Fluid::Carreau(Carreau {
+            zero_shear_viscosity: p.zero_shear_viscosity,
+            infinite_shear_viscosity: p.viscosity,
+            relaxation_time: p.relaxation_time,
+            flow_index: p.flow_index,
+        }),
+    }
+}
+
 /// Traction on the upper body's tissue per unit of contact pressure, positive along -x.
 pub fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> f64 {
     boundary_friction_with_slopes(parameters, inputs).0
@@ -259,7 +275,8 @@ impl System {
             weights: Vec::new(),
             touching_gap: Vec::new(),
             film: Film {
-                viscosity: p.viscosity,
+                fluid: fluid(p),
+                shear_film_offset: p.shear_film_offset,
                 fluid_compressibility: p.fluid_compressibility,
                 pressure_order: p.pressure_order,
                 tears: p.cavitation,
@@ -306,7 +323,7 @@ impl System {
             // Of a circle: y' = x/R / sqrt(1 - (x/R)^2).
             let slope = sum(&|radius| (x / radius) / (1.0 - (x / radius).powi(2)).sqrt());
             let curvature = sum(&|radius| 1.0 / radius);
-            self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, viscosity: p.viscosity }));
+            self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, fluid: fluid(p) }));
         }
         (self.stations, self.touching_gap) = (stations, touching_gap);
     }
@@ -319,6 +336,11 @@ impl System {
     /// Roughness of the surfaces; none where they are smooth.
     pub fn roughness(&self) -> Option<&Roughness> {
         self.film.rough.as_ref().map(|(rough, _)| rough)
+    }
+
+    /// The film.
+    pub fn film(&self) -> &Film {
+        &self.film
     }
 
     /// Contact of rough surfaces, which is part of the elements; that of smooth ones is the active set.
@@ -440,12 +462,13 @@ impl System {
     }
 
     /// What leaves through the ends of the film: station, and flux with its derivatives.
-    fn film_outflows(&self, unknowns: &[f64], sliding_speed: f64) -> impl Iterator<Item = (usize, Outflow)> {
+    fn film_outflows(&self, unknowns: &[f64], inputs: &Inputs) -> impl Iterator<Item = (usize, Outflow)> {
         let last = self.stations.len() - 1;
+        let speeds = surface_speeds(inputs);
         self.film_ends.iter().flatten().zip([0, last]).map(move |(end, station)| {
             let gap = unknowns[self.layout.gap[station] as usize];
             let pressure = self.layout.pressure[0][station * self.layers[0].mesh.levels()];
-            (station, end.outflow(gap, unknowns[pressure as usize], sliding_speed))
+            (station, end.outflow(gap, unknowns[pressure as usize], speeds))
         })
     }
 

@@ -102,13 +102,12 @@ impl System {
             }
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, outflow) in self.film_outflows(unknowns, inputs.sliding_speed) {
+        for (station, outflow) in self.film_outflows(unknowns, inputs) {
             values[self.layout.pressure[0][station * levels] as usize] += outflow.value / self.copies();
         }
         for column in 0..self.layers[0].mesh.columns {
             let at = self.film_local(column, unknowns);
-            let terms =
-                self.film.element(self.film_length(column), &at, inputs.sliding_speed, &self.mass_rate(rates, column));
+            let terms = self.film.element(self.film_length(column), &at, speeds, &self.mass_rate(rates, column));
             for a in 0..3 {
                 let number = self.layout.pressure[0][(2 * column + a) * levels];
                 if number != FIXED {
