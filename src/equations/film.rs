@@ -371,10 +371,10 @@ impl Film {
                 for (by_speed, way) in terms.by_speeds.iter_mut().zip([1.0, -1.0]) {
                     by_speed[a] += sign * (by_sum + way * by[4]);
                 }
-                for b in 0..3 {
-                    let by_upstream = if b == up { 0.5 * sliding_speed * moved * upstream_slope } else { 0.0 };
-                    terms.tangent[a][b] += sign * (by[b] + by_upstream);
+                for (tangent, by_gap) in terms.tangent[a].iter_mut().zip(&by[..3]) {
+                    *tangent += sign * by_gap;
                 }
+                terms.tangent[a][up] += sign * 0.5 * sliding_speed * moved * upstream_slope;
                 for (b, way) in [(from, 1.0), (to, -1.0)] {
                     terms.tangent[a][3 + b] +=
                         sign * ((conductance - by[3]) * way + 0.5 * self.fluid_compressibility * flux);
