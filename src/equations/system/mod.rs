@@ -11,11 +11,12 @@ pub use tangent::{At, Change, Direction};
 
 use serde::{Deserialize, Serialize};
 
-use crate::equations::contact::RoughContact;
+use crate::equations::contact::{RoughContact, SmoothContact};
 use crate::equations::film::{self, Film, MassRate};
 use crate::equations::film_end::{FilmEnd, Outflow};
 use crate::equations::grid::Grid;
 use crate::equations::layout::{Layout, Quantity};
+use crate::equations::surface::Surface;
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::LayerMesh;
@@ -343,6 +344,16 @@ impl System {
         &self.film
     }
 
+    /// The surface of a body.
+    fn surface(&self, body: usize) -> Surface {
+        Surface::new(self.layers[body].side, !self.mirrored())
+    }
+
+    /// Contact of smooth surfaces, at the stations.
+    fn smooth_contact(&self) -> SmoothContact {
+        SmoothContact { stiffness: self.contact_stiffness, modulus: self.stress_scale }
+    }
+
     /// Contact of rough surfaces, which is part of the elements; that of smooth ones is the active set.
     fn rough_contact(&self, inputs: &Inputs) -> Option<RoughContact> {
         self.roughness().map(|roughness| RoughContact {
@@ -412,7 +423,8 @@ impl System {
             local[NODES + a] = if level == 0 {
                 let station = n / (last + 1);
                 let opening = unknowns[layout.gap[station] as usize] - offset * self.touching_gap[station];
-                layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]) + 0.5 * layer.side * opening
+                let mean = layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]);
+                self.surface(body).displacement(mean, opening)
             } else if level == last {
                 bone
             } else {
@@ -485,23 +497,22 @@ impl System {
         rates.map_or_else(MassRate::default, |r| MassRate { rate: r.rate, history: r.history.film[column] })
     }
 
-    /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap (halved, with the body's
-    /// sign) and to the mean.
+    /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap and to the mean.
     fn scatter(&self, body: usize, element: usize, local: &Local, values: &mut [f64]) {
         let layout = &self.layout;
         let layer = &self.layers[body];
         let rows = layer.mesh.rows;
         let cell = &layout.cells[layout.cell(body, element)];
-        for (value, number) in local.iter().zip(cell).filter(|(_, n)| **n != FIXED) {
-            values[*number as usize] += value;
-        }
-        if element.is_multiple_of(rows) {
-            for a in 0..3 {
-                let force = local[NODES + a];
-                values[cell[NODES + a] as usize] += (0.5 * layer.side - 1.0) * force;
-                if let Some(mean) = layout.mean.get(2 * (element / rows) + a) {
-                    values[*mean as usize] += force;
-                }
+        let first = element.is_multiple_of(rows);
+        for (i, (value, number)) in local.iter().zip(cell).enumerate().filter(|(_, (_, n))| **n != FIXED) {
+            if !(first && (NODES..NODES + 3).contains(&i)) {
+                values[*number as usize] += value;
+                continue;
+            }
+            let [gap, mean] = self.surface(body).force(*value);
+            values[*number as usize] += gap;
+            if let Some(number) = layout.mean.get(2 * (element / rows) + i - NODES) {
+                values[*number as usize] += mean;
             }
         }
     }

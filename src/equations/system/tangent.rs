@@ -194,18 +194,9 @@ impl System {
             return;
         }
         let column = element / layer.mesh.rows;
-        let half = 0.5 * layer.side;
         let two_bodies = !self.mirrored();
-        // Columns: the vertical displacement of a surface node is mean + side/2 gap.
-        for a in 0..3 {
-            for i in 0..LOCAL {
-                let value = matrix[(NODES + a) * m + i];
-                matrix[(NODES + a) * m + i] = half * value;
-                if two_bodies {
-                    matrix[(LOCAL + a) * m + i] = value;
-                }
-            }
-        }
+        let surface = self.surface(body);
+        surface.transform_columns(matrix, m);
         if let Some(contact) = self.rough_contact(inputs) {
             let (mut by_local, mut by_gap) = ([0.0; LOCAL * LOCAL], [[0.0; LOCAL]; 3]);
             let terms = ContactTerms { tangent: Some((&mut by_local, &mut by_gap)), ..ContactTerms::default() };
@@ -215,23 +206,18 @@ impl System {
                 column.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
         }
-        // Rows likewise, then friction and the condition of contact.
+        // Rows, then friction and the condition of contact.
         let (share, _) = self.friction(inputs);
         for j in 0..m {
             let values = &mut matrix[j * m..(j + 1) * m];
-            for a in 0..3 {
-                let value = values[NODES + a];
-                values[NODES + a] = half * value;
+            surface.transform_rows(values);
+            for a in (0..3).filter(|a| active[2 * column + a]) {
                 if two_bodies {
-                    values[LOCAL + a] = value;
-                    if active[2 * column + a] {
-                        values[a] += layer.side * share * half * value;
-                        values[LOCAL + 3 + a] -= layer.side * share * half * value;
-                    }
+                    let force = layer.side * share * values[NODES + a];
+                    values[a] += force;
+                    values[LOCAL + 3 + a] -= force;
                 }
-                if active[2 * column + a] {
-                    values[NODES + a] = if j == NODES + a { self.contact_diagonal() } else { 0.0 };
-                }
+                values[NODES + a] = if j == NODES + a { self.smooth_contact().closed(0.0).1 } else { 0.0 };
             }
         }
         if body == 0 {
