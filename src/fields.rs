@@ -235,7 +235,8 @@ impl Solution<'_> {
         let thinnest = middles.min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(1);
         let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (x[thinnest + 1] - x[thinnest - 1]);
         let speed = self.inputs.sliding_speed;
-        let flux = reynolds_flux(film[thinnest], slope, speed, self.parameters.viscosity);
+        let (fluid, offset) = (&self.system.film().fluid, self.parameters.shear_film_offset);
+        let flux = reynolds_flux(fluid, film[thinnest], slope, surface_speeds(self.inputs), offset);
         let known = flux.value - 0.5 * void[thinnest] * speed;
         let mut sum = 0.0;
         let added: Vec<f64> = outflow

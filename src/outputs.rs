@@ -8,7 +8,7 @@ mod results;
 
 use num_dual::Dual64;
 
-use crate::equations::system::{At, Change, System, chain};
+use crate::equations::system::{At, Change, System};
 use crate::equations::tissue::Tissue;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
@@ -190,38 +190,29 @@ impl Solved<'_> {
             let local = |f: &[Dual64], shape: [f64; 3]| (0..3).map(|a| f[2 * column + a] * shape[a]).sum::<Dual64>();
             let half = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
-                let h = local(&gap, quadratic(s));
-                let h = if h.re > 0.0 || rough.is_some() { h } else { Dual64::from(0.0) };
-                let film = rough.map_or(h, |rough| chain(rough.thickness(h.re), h.eps));
-                let drop = local(&pressure, quadratic_derivative(s));
-                rolling += film * drop * (0.5 * w);
-                let factor = rough.map_or(Dual64::from(1.0), |rough| chain(rough.flow_factor(film.re), film.eps));
-                poiseuille += factor * film * film * film * drop * drop * (w / (12.0 * p.viscosity * half));
+                let (gap, gradient) = (local(&gap, quadratic(s)), local(&pressure, quadratic_derivative(s)) / half);
+                let [with_pressure, with_walls] = system.film().wall_shear(gap, gradient, difference);
                 // Void drags nothing. Its jumps at the ends of the torn film make a parabola overshoot; straight lines do not.
                 let full = -local(&void_share, linear(s)) + 1.0;
-                let inverse = match rough {
-                    Some(rough) => {
-                        let (thickness, slope) = rough.thickness(h.re);
-                        chain(rough.inverse_thickness(thickness), slope * h.eps)
-                    }
-                    None => Dual64::from(1.0) / (h + p.shear_film_offset),
-                };
-                let shear = difference * full * (p.viscosity * half * w) * inverse;
+                let shear = with_walls * full * (half * w);
+                rolling += with_pressure * (half * w);
                 sliding += shear;
                 sliding_height += shear * local(&height, quadratic(s));
+                poiseuille += system.film().pressure_flow_dissipation(gap, gradient, difference) * (half * w);
             }
         }
         let resultant = system.resultant(self.at, change);
         let mut beyond = zero;
-        for ([first, second], end) in system.film_end_shear(self.at, change).into_iter().zip([0, gap.len() - 1]) {
-            rolling += first;
-            let shear = difference * p.viscosity * second;
-            sliding += shear;
-            sliding_height += shear * height[end];
+        let ends = system.film_end_shear(self.at, change).into_iter().zip([0, gap.len() - 1]);
+        for ([with_pressure, with_walls], end) in ends {
+            rolling += with_pressure;
+            sliding += with_walls;
+            sliding_height += with_walls * height[end];
             // Out there the slope of the mean surface is in proportion to that of the gap: int p h' dx = [p h] - int h p' dx.
             let side = if end == 0 { -1.0 } else { 1.0 };
             let [upper, lower] = [p.upper.curvature(), p.lower.curvature()];
-            beyond += (pressure[end] * gap[end] * side + first * 2.0) * (0.5 * (upper - lower) / (upper + lower));
+            beyond +=
+                (pressure[end] * gap[end] * side + with_pressure * 2.0) * (0.5 * (upper - lower) / (upper + lower));
         }
         let (m, slopes) =
             mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::laws::depth::DepthProfile;
 pub use crate::laws::depth::Factors;
 pub use crate::laws::roughness::AsperityLaw;
-pub use crate::laws::{Formulation, PermeabilityLaw, SolidLaw};
+pub use crate::laws::{FluidLaw, Formulation, PermeabilityLaw, SolidLaw};
 pub use presets::{PRESETS, Preset, PresetRow, Tissue};
 pub use table::{Kind, PARAMETERS, Parameter, Value, find};
 
@@ -139,10 +139,18 @@ pub struct Parameters {
     pub sector_half_angle: f64,
     /// Extent out of the plane [m]: turns forces per unit depth into forces.
     pub width: f64,
-    /// Dynamic viscosity of the fluid [Pa s].
+    /// Dynamic viscosity of the fluid [Pa s]; of a [`FluidLaw::Carreau`] that at high shear rates, and that in the pores.
     pub viscosity: f64,
     /// Viscosity of the fluid in the pores [Pa s]; 0: that of the film.
     pub pore_viscosity: f64,
+    /// How the film's shear stress depends on the shear rate.
+    pub fluid_law: FluidLaw,
+    /// Viscosity at low shear rates [Pa s]; like the next two of [`FluidLaw::Carreau`] only.
+    pub zero_shear_viscosity: f64,
+    /// Relaxation time: one over the shear rate at which the fluid begins to thin [s].
+    pub relaxation_time: f64,
+    /// Exponent of the shear stress over the rate where it thins [1].
+    pub flow_index: f64,
     /// Compressibility of the fluid [1/Pa].
     pub fluid_compressibility: f64,
     /// Friction coefficient of drained solid on solid [1].
@@ -246,6 +254,11 @@ impl Default for Parameters {
             width: 1.0,
             viscosity: 1e-3,
             pore_viscosity: 0.0,
+            fluid_law: FluidLaw::Newtonian,
+            // Normal synovial fluid; see the table in docs/model.md.
+            zero_shear_viscosity: 40.0,
+            relaxation_time: 22.0,
+            flow_index: 0.27,
             fluid_compressibility: 1e-10,
             boundary_friction_coefficient: 0.45,
             boundary_friction_loads_tissue: true,
@@ -410,6 +423,13 @@ impl Parameters {
                 "solid_fraction",
                 self.solid_fraction,
                 "0 with smooth surfaces; or surface_roughness above 0",
+            ));
+        }
+        if self.fluid_law == FluidLaw::Carreau && self.zero_shear_viscosity < self.viscosity {
+            return Err(Error::value(
+                "zero_shear_viscosity",
+                self.zero_shear_viscosity,
+                format!("viscosity, {}, or more with fluid_law carreau; or fluid_law = \"newtonian\"", self.viscosity),
             ));
         }
         let curvature = self.upper.curvature() + self.lower.curvature();

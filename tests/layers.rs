@@ -84,6 +84,23 @@ fn every_use_points_downwards() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// A command draws with figures; these have data of their own, or a table's.
+#[test]
+fn figures_know_no_command() {
+    let mut paths = Vec::new();
+    sources(Path::new("src/cli/figures"), &mut paths);
+    assert!(paths.len() > 5);
+    for path in paths {
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (index, _) in text.match_indices("crate::cli::").chain(text.match_indices("super::super::")) {
+            let used: String = text[index..].lines().next().unwrap().into();
+            assert!(used.starts_with("crate::cli::table::"), "{}: {used}", path.display());
+        }
+    }
+    let table = std::fs::read_to_string("src/cli/table.rs").unwrap();
+    assert!(!table.contains("figures") && !table.contains("stribeck::"), "src/cli/table.rs uses what uses it");
+}
+
 #[test]
 fn names_are_found_in_every_form_of_use() {
     assert_eq!(

@@ -6,12 +6,15 @@ mod figures;
 mod format;
 mod gait;
 mod package;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod presets;
 mod press_and_release;
 mod reduce;
 mod sensitivity;
 mod solve;
 mod stribeck;
+mod table;
 mod validate;
 
 use std::io::Write;

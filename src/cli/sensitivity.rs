@@ -13,6 +13,7 @@ use cartilage_contact::units::Unit;
 use cartilage_contact::{sweep, variables};
 
 use super::case::{CaseArguments, numbers};
+use super::figures::tornado::{RESULTS, Response};
 use super::stribeck::progress;
 use super::{Failure, figures, format, print};
 
@@ -63,24 +64,8 @@ const VARIED: [(&str, &str); 11] = [
     ("sector_half_angle", "sector angle"),
 ];
 
-/// The results that are looked at, with their names among the variables.
-pub const RESULTS: [(&str, &str); 3] =
-    [("load", "Load"), ("friction_coefficient", "Friction coefficient"), ("minimum_film_thickness", "Thinnest film")];
-
 fn results(outputs: &Outputs) -> [f64; 3] {
     [outputs.load, outputs.friction_coefficient, outputs.minimum_film_thickness]
-}
-
-/// One changed parameter.
-pub struct Response {
-    /// Name in a case.
-    pub parameter: &'static str,
-    /// What people call it.
-    pub label: &'static str,
-    /// Relative change of the parameter.
-    pub change: f64,
-    /// Relative changes of the three results at each depth; NaN where there is none, as of a film that is gone.
-    pub results: Vec<[f64; 3]>,
 }
 
 /// Solves every change, writes table and plot, prints the table.

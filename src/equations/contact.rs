@@ -1,16 +1,41 @@
-//! What rough surfaces carry besides the film's pressure, on one element of the interface of one body.
+//! Contact of the surfaces.
+//!
+//! Smooth ones touch node by node: gap and contact pressure are complementary, [`SmoothContact`]. Of rough ones this is what they carry
+//! besides the film's pressure, on one element of the interface of one body:
 //!
 //! int p_a(h) n . v da + int tau t . v da,   tau = mu [p_a + phi A p]
 //!
 //! with the asperities' pressure p_a, the share A of real contact and the boundary friction mu of both surfaces; integrated at the nodes
 //! (Simpson's rule), so that there is one condition a node. The normal is that of the deformed surface, and tau acts along x.
-//!
-//! Smooth surfaces are another thing: their contact is complementarity of gap and force at each node, in `system`.
 
 use crate::equations::tissue::{LOCAL, Local};
 use crate::fem::element::{NODES, SIMPSON, pressure, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
+use crate::laws::contact::is_active;
 use crate::laws::roughness::Roughness;
+
+/// Complementarity of gap and contact pressure at a node, by the primal-dual active set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SmoothContact {
+    /// Weight of gaps against contact pressures [Pa/m].
+    pub stiffness: f64,
+    /// Modulus of the tissue [Pa].
+    pub modulus: f64,
+}
+
+impl SmoothContact {
+    /// Whether a node is in contact, from its contact pressure (0 where it was not) and its gap. One whose pressure and gap are both
+    /// round-off keeps its status.
+    pub fn touches(&self, touched: bool, pressure: f64, gap: f64) -> bool {
+        let hysteresis = 1e-11 * self.modulus * if touched { 1.0 } else { -1.0 };
+        is_active(pressure + hysteresis, gap, self.stiffness)
+    }
+
+    /// The equation of a node in contact, which says that its gap is closed, and its derivative by the gap.
+    pub fn closed(&self, gap: f64) -> (f64, f64) {
+        (self.modulus * gap, self.modulus)
+    }
+}
 
 /// Rough surfaces with their friction.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,5 +6,6 @@ pub mod film_end;
 pub mod grid;
 pub mod inflow;
 pub mod layout;
+pub mod surface;
 pub mod system;
 pub mod tissue;

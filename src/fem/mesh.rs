@@ -280,8 +280,11 @@ mod tests {
                             epsilon = 1e-9
                         );
                     }
-                    let speed = point.velocity[0].hypot(point.velocity[1]);
-                    assert!((0.99..=1.0).contains(&speed) && point.velocity[0] > 0.9);
+                    // About (0, side R), so that the lowest or highest point moves along +x with speed 1.
+                    let place = |k: usize| (0..NODES).map(|a| mesh.shape[q][a] * nodes[a][k]).sum::<f64>();
+                    let rotation = [1.0 - side * place(1) / 0.1, side * place(0) / 0.1];
+                    assert_relative_eq!(point.velocity[0], rotation[0], max_relative = 1e-12);
+                    assert_relative_eq!(point.velocity[1], rotation[1], max_relative = 1e-12, epsilon = 1e-15);
                 }
             }
         }

@@ -1,8 +1,12 @@
 //! The lubricating film: Reynolds' flux and the shear stress on its walls.
 
+use num_dual::Dual64;
+
+use super::fluid::Fluid;
+
 /// Volume flux per unit depth Q = -h^3/(12 eta) dp/dx + U h / 2 (equation 7) with its derivatives. A negative gap is a closed
 /// film: no flux.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ReynoldsFlux {
     /// Q [m^2/s].
     pub value: f64,
@@ -10,52 +14,108 @@ pub struct ReynoldsFlux {
     pub by_film_thickness: f64,
     /// dQ/d(dp/dx) [m^4/(N s) m].
     pub by_pressure_gradient: f64,
-    /// dQ/dU [m].
-    pub by_sliding_speed: f64,
+    /// By the speeds of the upper and the lower surface [m].
+    pub by_speeds: [f64; 2],
 }
 
-/// Reynolds' flux for a gap [m], a pressure gradient [Pa/m], a sliding speed U1 + U2 [m/s] and a viscosity [Pa s].
-pub fn reynolds_flux(gap: f64, pressure_gradient: f64, sliding_speed: f64, viscosity: f64) -> ReynoldsFlux {
+/// Mean shear rate (U1 - U2) / (h + offset) of a film between smooth surfaces [1/s], and its derivative by the gap. The offset keeps it
+/// finite in contact.
+pub fn mean_shear_rate(gap: f64, speed_difference: f64, offset: f64) -> (f64, f64) {
+    if gap < 0.0 {
+        return (speed_difference / offset, 0.0);
+    }
+    let rate = speed_difference / (gap + offset);
+    (rate, -rate / (gap + offset))
+}
+
+/// Reynolds' flux for a gap [m], a pressure gradient [Pa/m], the speeds of the upper and the lower surface [m/s] and the offset of the
+/// shear rate [m]. The viscosity is that of [`Fluid::sheared`].
+pub fn reynolds_flux(fluid: &Fluid, gap: f64, pressure_gradient: f64, speeds: [f64; 2], offset: f64) -> ReynoldsFlux {
     if gap <= 0.0 {
-        return ReynoldsFlux { value: 0.0, by_film_thickness: 0.0, by_pressure_gradient: 0.0, by_sliding_speed: 0.0 };
+        return ReynoldsFlux::default();
     }
-    let conductance = gap.powi(3) / (12.0 * viscosity);
+    let (rate, rate_slope) = mean_shear_rate(gap, speeds[0] - speeds[1], offset);
+    let film = fluid.sheared(rate, 0.5 * gap * pressure_gradient);
+    let speed = speeds[0] + speeds[1];
+    let conductance = gap.powi(3) / (12.0 * film.viscosity);
+    let by_viscosity = conductance * pressure_gradient / film.viscosity;
+    let by_rate = by_viscosity * film.viscosity_by_rate;
+    let by_difference = by_viscosity * film.viscosity_by_difference;
+    let by_speed_difference = by_rate / (gap + offset);
     ReynoldsFlux {
-        value: -conductance * pressure_gradient + 0.5 * sliding_speed * gap,
-        by_film_thickness: -3.0 * conductance / gap * pressure_gradient + 0.5 * sliding_speed,
-        by_pressure_gradient: -conductance,
-        by_sliding_speed: 0.5 * gap,
+        value: -conductance * pressure_gradient + 0.5 * speed * gap,
+        by_film_thickness: -3.0 * conductance / gap * pressure_gradient
+            + 0.5 * speed
+            + by_rate * rate_slope
+            + by_difference * 0.5 * pressure_gradient,
+        by_pressure_gradient: -conductance + by_difference * 0.5 * gap,
+        by_speeds: [0.5 * gap + by_speed_difference, 0.5 * gap - by_speed_difference],
     }
 }
 
-/// The two parts of the wall shear stress (equation 15) [Pa]: (h/2) dp/dx, which acts with opposite signs in the two friction
-/// forces, and eta (U1 - U2) / (h + offset), which acts with the same sign. The offset keeps the second one finite in contact.
-pub fn wall_shear(gap: f64, pressure_gradient: f64, speed_difference: f64, viscosity: f64, offset: f64) -> (f64, f64) {
-    let gap = gap.max(0.0);
-    (0.5 * gap * pressure_gradient, viscosity * speed_difference / (gap + offset))
+/// The two parts of the wall shear stress (equation 15) [Pa], with their changes: (h/2) dp/dx, which acts with opposite signs in the two
+/// friction forces, and the mean stress over the film, which acts with the same sign; that is viscosity times mean shear rate where the
+/// fluid is Newtonian.
+pub fn wall_shear(fluid: &Fluid, thickness: Dual64, shear_rate: Dual64, pressure_gradient: Dual64) -> [Dual64; 2] {
+    let difference = thickness * pressure_gradient * 0.5;
+    let film = fluid.sheared(shear_rate.re, difference.re);
+    let change = film.stress_by_rate * shear_rate.eps + film.stress_by_difference * difference.eps;
+    [difference, Dual64::new(film.stress, change)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::laws::fluid::Carreau;
     use approx::assert_relative_eq;
+
+    const SYNOVIAL: Fluid = Fluid::Carreau(Carreau {
+        zero_shear_viscosity: 40.0,
+        infinite_shear_viscosity: 1e-3,
+        relaxation_time: 22.0,
+        flow_index: 0.27,
+    });
+    const OFFSET: f64 = 1e-7;
 
     #[test]
     fn derivatives_match_finite_differences() {
-        let (h, g, u, eta) = (3e-6, -2e6, 0.2, 1e-3);
-        let flux = reynolds_flux(h, g, u, eta);
-        let central = |f: &dyn Fn(f64) -> f64, step: f64| (f(step) - f(-step)) / (2.0 * step);
-        let by_h = central(&|s| reynolds_flux(h + s, g, u, eta).value, 1e-10);
-        let by_g = central(&|s| reynolds_flux(h, g + s, u, eta).value, 1e2);
-        let by_u = central(&|s| reynolds_flux(h, g, u + s, eta).value, 1e-4);
-        assert_relative_eq!(flux.by_film_thickness, by_h, max_relative = 1e-7);
-        assert_relative_eq!(flux.by_pressure_gradient, by_g, max_relative = 1e-7);
-        assert_relative_eq!(flux.by_sliding_speed, by_u, max_relative = 1e-7);
+        for fluid in [Fluid::Newtonian(1e-3), SYNOVIAL] {
+            for speeds in [[0.1, 0.1], [0.2, -0.05], [-0.2, 0.1]] {
+                let (h, g) = (3e-6, -2e6);
+                let flux = |h, g, speeds| reynolds_flux(&fluid, h, g, speeds, OFFSET).value;
+                let at = reynolds_flux(&fluid, h, g, speeds, OFFSET);
+                let central = |f: &dyn Fn(f64) -> f64, step: f64| (f(step) - f(-step)) / (2.0 * step);
+                let by_h = central(&|s| flux(h + s, g, speeds), 1e-10);
+                let by_g = central(&|s| flux(h, g + s, speeds), 1e2);
+                assert_relative_eq!(at.by_film_thickness, by_h, max_relative = 1e-6);
+                assert_relative_eq!(at.by_pressure_gradient, by_g, max_relative = 1e-6);
+                for k in 0..2 {
+                    let moved = |s: f64| std::array::from_fn(|i| speeds[i] + if i == k { s } else { 0.0 });
+                    assert_relative_eq!(
+                        at.by_speeds[k],
+                        central(&|s| flux(h, g, moved(s)), 1e-5),
+                        max_relative = 1e-6,
+                        epsilon = 1e-10
+                    );
+                }
+                // The shear, along a change of all it depends on.
+                let shear = |s: f64, change: f64| {
+                    let dual = |value: f64, by: f64| Dual64::new(value + s * by, change * by);
+                    let rate = (speeds[0] - speeds[1]) / h;
+                    wall_shear(&fluid, dual(h, 2e-6), dual(rate, 1e4), dual(g, 1e6)).map(|part| (part.re, part.eps))
+                };
+                for k in 0..2 {
+                    let slope = shear(0.0, 1.0)[k].1;
+                    assert_relative_eq!(slope, central(&|s| shear(s, 0.0)[k].0, 2e-8), max_relative = 1e-5);
+                }
+            }
+        }
     }
 
     #[test]
     fn a_closed_film_carries_nothing() {
-        assert_eq!(reynolds_flux(-1e-9, 1e6, 1.0, 1e-3).value, 0.0);
-        assert_eq!(wall_shear(-1e-9, 1e6, 0.0, 1e-3, 1e-7), (0.0, 0.0));
+        assert_eq!(reynolds_flux(&SYNOVIAL, -1e-9, 1e6, [0.5, 0.5], OFFSET).value, 0.0);
+        let closed = [0.0, 0.0, 1e6].map(Dual64::from);
+        assert!(wall_shear(&SYNOVIAL, closed[0], closed[1], closed[2]).iter().all(|part| part.re == 0.0));
     }
 }

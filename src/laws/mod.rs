@@ -5,6 +5,7 @@ pub mod contact;
 pub mod darcy;
 pub mod depth;
 pub mod film;
+pub mod fluid;
 pub mod kinematics;
 pub mod roughness;
 pub mod solid;
@@ -27,6 +28,15 @@ pub enum SolidLaw {
     HolmesMow,
 }
 
+/// How the lubricant's shear stress depends on the shear rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum FluidLaw {
+    /// [`fluid::Fluid::Newtonian`].
+    Newtonian,
+    /// [`fluid::Carreau`].
+    Carreau,
+}
+
 /// Which reading of the balance laws is solved (see the crate documentation).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Formulation {
@@ -34,4 +44,9 @@ pub enum Formulation {
     Paper,
     /// Total-stress poroelasticity at finite strain with regularised Coulomb friction.
     Consistent,
+}
+
+/// A function's value and slope, along a change of its argument.
+pub fn chain((value, slope): (f64, f64), change: f64) -> num_dual::Dual64 {
+    num_dual::Dual64::new(value, slope * change)
 }

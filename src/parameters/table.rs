@@ -1,8 +1,8 @@
 //! The table of parameters: names, units, ranges and descriptions, and how values are read and set by name.
 
 use super::{
-    AsperityLaw, Control, Fidelity, Formulation, MeshDistribution, PRESETS, Parameters, PermeabilityLaw, SolidLaw,
-    TimeIntegration, presets,
+    AsperityLaw, Control, Fidelity, FluidLaw, Formulation, MeshDistribution, PRESETS, Parameters, PermeabilityLaw,
+    SolidLaw, TimeIntegration, presets,
 };
 use crate::error::Error;
 use crate::units::Unit;
@@ -263,7 +263,8 @@ static COMMON_ROWS: [Parameter; 19] = rows! {
         "Half the angle of the modelled sector of the body with the smaller radius; 0: it goes with the contact";
     447 width: real(Unit::Metre, 1e-6, 1e3, 1.0),
         "Extent of the contact out of the plane: forces are loads per unit depth times this";
-    448 viscosity: real(Unit::PascalSecond, 1e-6, 1e3, 1e-3), "Dynamic viscosity of the fluid";
+    448 viscosity: real(Unit::PascalSecond, 1e-6, 1e3, 1e-3),
+        "Dynamic viscosity of the fluid; with fluid_law carreau that at high shear rates, and that in the pores";
     450 fluid_compressibility: real(Unit::PerPascal, 0.0, 1e-7, 1e-10), "Compressibility of the fluid";
     451 boundary_friction_coefficient: real(Unit::One, 0.0, 2.0, 0.5), "Friction coefficient of drained solid on solid";
     452 boundary_friction_loads_tissue: boolean,
@@ -364,9 +365,23 @@ static SOLID_ROWS: [Parameter; 10] = body_rows! {
         "Coefficient of the exponential in the fibres' strain energy, 0 for a power law,";
 };
 
+static FLUID_ROWS: [Parameter; 4] = rows! {
+    550 fluid_law: choice(
+        FluidLaw::Newtonian => "newtonian": "The viscosity is constant",
+        FluidLaw::Carreau =>
+            "carreau": "Shear thins the film: eta = viscosity + (zero_shear_viscosity - viscosity) (1 + (relaxation_time rate)^2)^((flow_index - 1)/2)",
+    ), "How the viscosity of the film depends on the shear rate; in the pores it is constant";
+    551 zero_shear_viscosity: real(Unit::PascalSecond, 1e-6, 1e3, 1.0),
+        "Viscosity of the film at low shear rates (fluid_law carreau)";
+    552 relaxation_time: real(Unit::Second, 1e-9, 1e6, 1.0),
+        "One over the shear rate at which the film begins to thin (fluid_law carreau)";
+    553 flow_index: real(Unit::One, 0.1, 1.0, 1.0),
+        "Exponent of the shear stress over the shear rate where the film thins (fluid_law carreau)";
+};
+
 static WORK_ROWS: [Parameter; 3] = rows! {
     509 pore_viscosity: real(Unit::PascalSecond, 0.0, 1e3, 1e-3),
-        "Dynamic viscosity of the fluid in the pores of the tissue; 0 is that of the film";
+        "Dynamic viscosity of the fluid in the pores of the tissue; 0 is that of the film (fluid_law carreau: at high shear rates)";
     510 "lower.rigid" at rigid_lower: boolean,
         "Whether the lower body is rigid and impermeable, such as glass: only its outer_radius counts";
     508 maximum_solve_time: real(Unit::Second, 0.0, 1e9, 1e2),
@@ -424,7 +439,7 @@ static DEPTH_ROWS: [Parameter; 26] = body_rows! {
         "Volume fraction of the solid at the bone over solid_volume_fraction";
 };
 
-const PARTS: [&[Parameter]; 10] = [
+const PARTS: [&[Parameter]; 11] = [
     &BODY_ROWS,
     &COMMON_ROWS,
     &STRAIN_DEPENDENCE_ROWS,
@@ -434,6 +449,7 @@ const PARTS: [&[Parameter]; 10] = [
     &JOINT_ROWS,
     &SOLID_ROWS,
     &DEPTH_ROWS,
+    &FLUID_ROWS,
     &WORK_ROWS,
 ];
 

@@ -8,7 +8,7 @@
 //! as the magnitude of sliding friction, and both are left out.
 
 use cartilage_contact::outputs::Outputs;
-use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
+use cartilage_contact::parameters::{Body, FluidLaw, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::{Input, Simulation};
 
 /// The numbers of the outputs that are differentiable, with their names.
@@ -162,6 +162,34 @@ fn of_rough_surfaces() {
             println!("{at}: L {} L_s {} h_min {}", o.load, o.solid_load, o.minimum_film_thickness);
         }
         assert!(simulation.outputs().solid_load > 0.02 * simulation.outputs().load);
+    }
+}
+
+/// A film that thins where it is sheared, by sliding and by pressure: smooth and rough, one body and its mirror image and two.
+#[test]
+fn of_a_thinning_fluid() {
+    let thinning = Parameters {
+        fluid_law: FluidLaw::Carreau,
+        zero_shear_viscosity: 1e-2,
+        relaxation_time: 1e-4,
+        flow_index: 0.5,
+        tolerance: 1e-12,
+        mesh: Mesh { columns: 60, rows: 4, column_grading: 2.5, row_grading: 2.0 },
+        ..Parameters::default()
+    };
+    let consistent = Parameters { formulation: Formulation::Consistent, ..thinning };
+    let rough = Parameters { surface_roughness: 0.5e-6, ..consistent };
+    for (parameters, micron, steps) in [
+        (thinning, 5.0, [1e-9, 2e-5, 1e-5]),
+        (consistent, 5.0, [1e-9, 2e-5, 1e-5]),
+        (thinning, 24.0, [1e-11, 1e-6, 1e-5]),
+        (rough, 24.0, [1e-10, 2e-6, 1e-5]),
+    ] {
+        for ratio in [0.0, 0.4, -1.5] {
+            let mut simulation = Simulation::new(&parameters).unwrap();
+            let inputs = Inputs { penetration_depth: micron * 1e-6, sliding_speed: 0.2, ..Inputs::NONE };
+            compare(&mut simulation, Inputs { slide_to_roll_ratio: ratio, ..inputs }, steps);
+        }
     }
 }
 

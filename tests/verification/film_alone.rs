@@ -10,7 +10,8 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use approx::assert_relative_eq;
-use cartilage_contact::equations::film::{Film, MassRate};
+use cartilage_contact::equations::film::MassRate;
+use cartilage_contact::laws::fluid::Fluid;
 use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::Simulation;
 
@@ -23,7 +24,7 @@ const U: f64 = 0.2;
 
 /// A film under a parabola on |x| <= `reach` sqrt(2 R h0), uniformly meshed.
 fn parabola(h0: f64, reach: f64, columns: usize, order: i32, sliding_speed: f64) -> Line {
-    let film = Film { viscosity: ETA, fluid_compressibility: 0.0, pressure_order: order, tears: false, rough: None };
+    let film = crate::line::film(Fluid::Newtonian(ETA), order);
     let half = reach * (2.0 * R * h0).sqrt();
     let stations: Vec<f64> = (0..=2 * columns).map(|i| half * (i as f64 / columns as f64 - 1.0)).collect();
     Line::new(film, stations, |x| h0 + x * x / (2.0 * R), sliding_speed)

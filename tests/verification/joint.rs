@@ -11,6 +11,7 @@
 
 use approx::assert_relative_eq;
 use cartilage_contact::equations::film::Film;
+use cartilage_contact::laws::fluid::Fluid;
 use cartilage_contact::laws::roughness::{AsperityLaw, Roughness};
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{
@@ -18,7 +19,7 @@ use cartilage_contact::parameters::{
 };
 use cartilage_contact::simulation::{Drive, Simulation};
 
-use crate::line::Line;
+use crate::line::{Line, film};
 use crate::pair::Pair;
 use crate::strip::orders;
 
@@ -254,13 +255,7 @@ fn the_scheme_of_rough_films_is_of_second_order_where_they_are_thick() {
     for order in [1, 2] {
         for speed in [U, -U] {
             let error = |columns: usize| {
-                let film = Film {
-                    viscosity: eta,
-                    fluid_compressibility: 0.0,
-                    pressure_order: order,
-                    tears: false,
-                    rough: Some((roughness, 0.3e6)),
-                };
+                let film = Film { rough: Some((roughness, 0.3e6)), ..film(Fluid::Newtonian(eta), order) };
                 let half = 5.0 * f64::sqrt(2.0 * r * h0);
                 let stations: Vec<f64> = (0..=2 * columns).map(|i| half * (i as f64 / columns as f64 - 1.0)).collect();
                 let mut line = Line::new(film, stations, |x| h0 + x * x / (2.0 * r), speed);

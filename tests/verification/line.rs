@@ -2,9 +2,15 @@
 
 use cartilage_contact::equations::film::{Film, MassRate};
 use cartilage_contact::fem::element::SIMPSON;
+use cartilage_contact::laws::fluid::Fluid;
 use cartilage_contact::solver::deadline::Deadline;
 use cartilage_contact::solver::linear::{Cluster, FIXED, Multifrontal};
 use cartilage_contact::solver::newton::{self, Problem};
+
+/// An incompressible film of this fluid between smooth surfaces that does not tear.
+pub fn film(fluid: Fluid, pressure_order: i32) -> Film {
+    Film { fluid, shear_film_offset: 0.0, fluid_compressibility: 0.0, pressure_order, tears: false, rough: None }
+}
 
 /// The film: h = gap + compliance * p at every node.
 pub struct Line {
@@ -15,7 +21,8 @@ pub struct Line {
     pub gap: Vec<f64>,
     /// Winkler compliance of the bodies together [m/Pa].
     pub compliance: f64,
-    pub sliding_speed: f64,
+    /// Speeds of the upper and the lower surface [m/s].
+    pub speeds: [f64; 2],
     /// d(rho h)/dt of every element.
     pub rates: Vec<MassRate>,
     /// Pressure at the nodes [Pa]; the two ends keep theirs.
@@ -38,7 +45,8 @@ impl Line {
         // Rows are balanced by the film's conductance over an element at its narrowest.
         let gap: Vec<f64> = stations.iter().map(|x| gap(*x)).collect();
         let least = gap.iter().copied().fold(f64::INFINITY, f64::min);
-        let scale = 12.0 * film.viscosity * (stations[last] - stations[0]) / least.powi(3) / last as f64;
+        let scale =
+            12.0 * film.fluid.viscosity(0.0.into()).re * (stations[last] - stations[0]) / least.powi(3) / last as f64;
         let ones = vec![1.0; unknowns];
         let linear = Multifrontal::new(&cells, &Cluster::strip(last / 2, 1), vec![scale; unknowns], ones);
         Self {
@@ -48,7 +56,7 @@ impl Line {
             stations,
             gap,
             compliance: 0.0,
-            sliding_speed,
+            speeds: [0.5 * sliding_speed; 2],
             cells,
             linear,
         }
@@ -116,7 +124,7 @@ impl Line {
             }
         });
         let length = self.stations[2 * element + 2] - self.stations[2 * element];
-        self.film.element(length, &at, self.sliding_speed, &self.rates[element])
+        self.film.element(length, &at, self.speeds, &self.rates[element])
     }
 }
 

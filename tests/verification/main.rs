@@ -27,4 +27,5 @@ mod reach;
 mod soft_film;
 mod solid_alone;
 mod squeeze;
+mod thinning_film;
 mod ways;

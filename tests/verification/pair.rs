@@ -24,6 +24,7 @@ pub struct Place {
     /// x, film thickness and its slope, pressure and its slope.
     pub x: f64,
     pub film_thickness: f64,
+    pub film_slope: f64,
     pub pressure: f64,
     pub pressure_gradient: f64,
 }
@@ -196,6 +197,7 @@ impl Pair {
                     weight: half * w,
                     x: sum(quadratic(s), nodes.map(|i| x[i])),
                     film_thickness: sum(quadratic(s), gaps),
+                    film_slope: sum(quadratic_derivative(s), gaps) / half,
                     pressure: sum(quadratic(s), pressures),
                     pressure_gradient: sum(quadratic_derivative(s), pressures) / half,
                 });

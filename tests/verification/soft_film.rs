@@ -6,11 +6,11 @@
 use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
-use cartilage_contact::equations::film::Film;
+use cartilage_contact::laws::fluid::Fluid;
 use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::Simulation;
 
-use crate::line::Line;
+use crate::line::{Line, film};
 
 const ETA: f64 = 1e-3;
 const U: f64 = 0.02;
@@ -29,7 +29,7 @@ const TABLE: [[f64; 6]; 3] = [
 fn film_elements_on_a_winkler_foundation() {
     let length = (2.0 * R * H0).sqrt();
     let pressure = ETA * U * (2.0 * R).sqrt() / H0.powf(1.5);
-    let film = Film { viscosity: ETA, fluid_compressibility: 0.0, pressure_order: 2, tears: false, rough: None };
+    let film = film(Fluid::Newtonian(ETA), 2);
     let stations: Vec<f64> = (0..=8000).map(|i| 40.0 * length * (f64::from(i) / 4000.0 - 1.0)).collect();
     let mut line = Line::new(film, stations, |x| H0 + x * x / (2.0 * R), U);
     for [n, h_star, load, p_max, p_min, h_min] in TABLE {

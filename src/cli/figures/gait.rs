@@ -4,14 +4,28 @@ use std::path::{Path, PathBuf};
 
 use cartilage_contact::error::Error;
 use cartilage_contact::outputs::Outputs;
+use cartilage_contact::parameters::Inputs;
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{self, Canvas, Lettering, palette};
 use super::panel::{self, Axis, Line, Panel, Scale, range_of};
-use crate::cli::gait::State;
 
 const SIZE: (u32, u32) = (1600, 1510);
+
+/// One communication point.
+pub struct State {
+    /// From the start of the first cycle [s].
+    pub time: f64,
+    /// From the start of its own cycle [s].
+    pub phase: f64,
+    /// What was given.
+    pub inputs: Inputs,
+    /// What came of it.
+    pub outputs: Outputs,
+    /// Fluid that left the tissue since the start of its cycle, less what the tissue took in, per unit depth [m^2].
+    pub exchange: f64,
+}
 
 /// Writes the figure as SVG, PNG and PDF.
 ///
@@ -129,8 +143,6 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
 
 #[cfg(test)]
 mod tests {
-    use cartilage_contact::parameters::Inputs;
-
     use super::*;
 
     #[test]

@@ -9,7 +9,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{self, Canvas, Lettering, palette};
 use super::panel::{self, Axis, Band, Line, Panel, Scale, range_of, tick_label};
-use crate::cli::stribeck::Table;
+use crate::cli::table::Table;
 
 const SIZE: (u32, u32) = (1600, 1130);
 const REGIME_COLOURS: [RGBColor; 4] = [palette::GREEN, palette::BLUE, palette::ORANGE, palette::VERMILION];

@@ -7,10 +7,25 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{self, Canvas, Lettering, palette};
 use super::panel::{Axis, Scale, range_of, tick_label};
-use crate::cli::sensitivity::{RESULTS, Response};
 
 const ROW: f64 = 25.0;
 const NAMES: f64 = 190.0;
+
+/// The results that are looked at, with their names among the variables.
+pub const RESULTS: [(&str, &str); 3] =
+    [("load", "Load"), ("friction_coefficient", "Friction coefficient"), ("minimum_film_thickness", "Thinnest film")];
+
+/// One changed parameter.
+pub struct Response {
+    /// Name in a case.
+    pub parameter: &'static str,
+    /// What people call it.
+    pub label: &'static str,
+    /// Relative change of the parameter.
+    pub change: f64,
+    /// Relative changes of the three results at each depth; NaN where there is none, as of a film that is gone.
+    pub results: Vec<[f64; 3]>,
+}
 
 /// Writes the figure as SVG, PNG and PDF.
 ///

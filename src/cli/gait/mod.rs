@@ -14,6 +14,7 @@ use indicatif::ProgressBar;
 
 use self::cycle::{Cycle, PEAK};
 use super::case::CaseArguments;
+use super::figures::gait::State;
 use super::stribeck::progress;
 use super::{Failure, figures, format, print};
 
@@ -67,20 +68,6 @@ pub struct Arguments {
     /// Folder for everything that is written
     #[arg(long, value_name = "FOLDER", default_value = "target/gait")]
     output: PathBuf,
-}
-
-/// One communication point.
-pub struct State {
-    /// From the start of the first cycle [s].
-    pub time: f64,
-    /// From the start of its own cycle [s].
-    pub phase: f64,
-    /// What was given.
-    pub inputs: Inputs,
-    /// What came of it.
-    pub outputs: Outputs,
-    /// Fluid that left the tissue since the start of its cycle, less what the tissue took in, per unit depth [m^2].
-    pub exchange: f64,
 }
 
 /// Cycles in time.

@@ -2,8 +2,9 @@
 
 use num_dual::Dual64;
 
-use super::{At, Change, System};
+use super::{At, Change, System, surface_speeds};
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, quadratic, quadratic_derivative};
+use crate::laws::chain;
 use crate::solver::linear::FIXED;
 
 /// What the fluid and what the solid carries, or a change of both, per unit depth [N/m].
@@ -93,15 +94,19 @@ impl System {
 }
 
 impl System {
-    /// What the film beyond the ends of the sector adds to the two parts of the friction forces: the integral of (h/2) p' and that of
-    /// dx/h.
+    /// What the film beyond the ends of the sector adds to the two parts of the friction forces, see [`crate::laws::film::wall_shear`].
     pub fn film_end_shear(&self, at: At<'_>, change: &Change) -> Vec<[Dual64; 2]> {
         let last = self.stations.len() - 1;
         let levels = self.layers[0].mesh.levels();
-        let speed = Dual64::new(at.inputs.sliding_speed, change.inputs.sliding_speed);
+        let speeds = surface_speeds(at.inputs).into_iter().zip(change.inputs.surface_speeds(at.inputs));
+        let speeds: Vec<_> = speeds.map(|(speed, change)| Dual64::new(speed, change)).collect();
         let ends = self.film_ends.iter().flatten().zip([0, last]).map(|(end, station)| {
             let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
-            end.shear(value(self.layout.gap[station]), value(self.layout.pressure[0][station * levels]), speed)
+            end.shear(
+                value(self.layout.gap[station]),
+                value(self.layout.pressure[0][station * levels]),
+                [speeds[0], speeds[1]],
+            )
         });
         ends.collect()
     }
@@ -217,21 +222,18 @@ impl System {
         let levels = self.layers[0].mesh.levels();
         let speed = Dual64::new(at.inputs.sliding_speed, change.inputs.sliding_speed);
         let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
-        self.film_outflows(at.unknowns, at.inputs.sliding_speed)
+        let speeds = change.inputs.surface_speeds(at.inputs);
+        self.film_outflows(at.unknowns, at.inputs)
             .map(|(station, outflow)| {
                 let (gap, pressure) =
                     (value(self.layout.gap[station]), value(self.layout.pressure[0][station * levels]));
                 let along = outflow.by_gap * gap.eps
                     + outflow.by_pressure * pressure.eps
-                    + outflow.by_speed * change.inputs.sliding_speed;
+                    + outflow.by_speeds[0] * speeds[0]
+                    + outflow.by_speeds[1] * speeds[1];
                 let side = if station == 0 { -0.5 } else { 0.5 };
                 pressure * (Dual64::new(outflow.value, along) - speed * gap * side)
             })
             .sum()
     }
-}
-
-/// A function's value and slope, along a change of its argument.
-pub fn chain((value, slope): (f64, f64), change: f64) -> Dual64 {
-    Dual64::new(value, slope * change)
 }

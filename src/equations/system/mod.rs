@@ -6,23 +6,25 @@ mod tangent;
 mod transfer;
 mod update;
 
-pub use load::{Loads, chain};
+pub use load::Loads;
 pub use tangent::{At, Change, Direction};
 
 use serde::{Deserialize, Serialize};
 
-use crate::equations::contact::RoughContact;
+use crate::equations::contact::{RoughContact, SmoothContact};
 use crate::equations::film::{self, Film, MassRate};
 use crate::equations::film_end::{FilmEnd, Outflow};
 use crate::equations::grid::{self, Grid};
 use crate::equations::layout::{Layout, Quantity};
+use crate::equations::surface::Surface;
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::LayerMesh;
 use crate::laws::contact::mobilised_friction;
+use crate::laws::fluid::{Carreau, Fluid};
 use crate::laws::roughness::Roughness;
 use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
-use crate::laws::{Formulation, PermeabilityLaw, SolidLaw, darcy};
+use crate::laws::{FluidLaw, Formulation, PermeabilityLaw, SolidLaw, darcy};
 use crate::parameters::{Body, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
 
@@ -149,6 +151,21 @@ pub fn roughness(parameters: &Parameters) -> Option<Roughness> {
     })
 }
 
+/// The lubricant of the film. That in the pores has the viscosity at high shear rates: the long molecules that thin under shear stay in
+/// the film.
+pub fn fluid(parameters: &Parameters) -> Fluid {
+    let p = parameters;
+    match p.fluid_law {
+        FluidLaw::Newtonian => Fluid::Newtonian(p.viscosity),
+        FluidLaw::Carreau => Fluid::Carreau(Carreau {
+            zero_shear_viscosity: p.zero_shear_viscosity,
+            infinite_shear_viscosity: p.viscosity,
+            relaxation_time: p.relaxation_time,
+            flow_index: p.flow_index,
+        }),
+    }
+}
+
 /// Traction on the upper body's tissue per unit of contact pressure, positive along -x.
 pub fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> f64 {
     boundary_friction_with_slopes(parameters, inputs).0
@@ -263,7 +280,8 @@ impl System {
             weights: Vec::new(),
             touching_gap: Vec::new(),
             film: Film {
-                viscosity: p.viscosity,
+                fluid: fluid(p),
+                shear_film_offset: p.shear_film_offset,
                 fluid_compressibility: p.fluid_compressibility,
                 pressure_order: p.pressure_order,
                 tears: p.cavitation,
@@ -293,10 +311,9 @@ impl System {
             }
             self.take_interface(grid);
         }
-        let viscosity = thickening * self.parameters.viscosity;
         self.thickening = thickening;
-        self.film.viscosity = viscosity;
-        self.film_ends.iter_mut().flatten().for_each(|end| end.viscosity = viscosity);
+        self.film.fluid = fluid(&self.parameters).thickened(thickening);
+        self.film_ends.iter_mut().flatten().for_each(|end| end.fluid = self.film.fluid);
     }
 
     /// How many times its own viscosity the film has at present.
@@ -320,7 +337,7 @@ impl System {
             // Of a circle: y' = x/R / sqrt(1 - (x/R)^2).
             let slope = sum(&|curvature| x * curvature / (1.0 - (x * curvature).powi(2)).sqrt());
             let curvature = sum(&|curvature| curvature);
-            self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, viscosity: p.viscosity }));
+            self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, fluid: self.film.fluid }));
         }
         (self.stations, self.touching_gap) = (stations, touching_gap);
     }
@@ -333,6 +350,21 @@ impl System {
     /// Roughness of the surfaces; none where they are smooth.
     pub fn roughness(&self) -> Option<&Roughness> {
         self.film.rough.as_ref().map(|(rough, _)| rough)
+    }
+
+    /// The film.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// The surface of a body.
+    fn surface(&self, body: usize) -> Surface {
+        Surface::new(self.part(&self.layers[body]), self.layers.len() == 2)
+    }
+
+    /// Contact of smooth surfaces, at the stations.
+    fn smooth_contact(&self) -> SmoothContact {
+        SmoothContact { stiffness: self.contact_stiffness, modulus: self.stress_scale }
     }
 
     /// Contact of rough surfaces, which is part of the elements; that of smooth ones is the active set.
@@ -409,7 +441,8 @@ impl System {
             local[NODES + a] = if level == 0 {
                 let station = n / (last + 1);
                 let opening = unknowns[layout.gap[station] as usize] - offset * self.touching_gap[station];
-                layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]) + self.part(layer) * opening
+                let mean = layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]);
+                self.surface(body).displacement(mean, opening)
             } else if level == last {
                 bone
             } else {
@@ -459,12 +492,13 @@ impl System {
     }
 
     /// What leaves through the ends of the film: station, and flux with its derivatives.
-    fn film_outflows(&self, unknowns: &[f64], sliding_speed: f64) -> impl Iterator<Item = (usize, Outflow)> {
+    fn film_outflows(&self, unknowns: &[f64], inputs: &Inputs) -> impl Iterator<Item = (usize, Outflow)> {
         let last = self.stations.len() - 1;
+        let speeds = surface_speeds(inputs);
         self.film_ends.iter().flatten().zip([0, last]).map(move |(end, station)| {
             let gap = unknowns[self.layout.gap[station] as usize];
             let pressure = self.layout.pressure[0][station * self.layers[0].mesh.levels()];
-            (station, end.outflow(gap, unknowns[pressure as usize], sliding_speed))
+            (station, end.outflow(gap, unknowns[pressure as usize], speeds))
         })
     }
 
@@ -481,23 +515,22 @@ impl System {
         rates.map_or_else(MassRate::default, |r| MassRate { rate: r.rate, history: r.history.film[column] })
     }
 
-    /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap (halved, with the body's
-    /// sign) and to the mean.
+    /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap and to the mean.
     fn scatter(&self, body: usize, element: usize, local: &Local, values: &mut [f64]) {
         let layout = &self.layout;
         let layer = &self.layers[body];
         let rows = layer.mesh.rows;
         let cell = &layout.cells[layout.cell(body, element)];
-        for (value, number) in local.iter().zip(cell).filter(|(_, n)| **n != FIXED) {
-            values[*number as usize] += value;
-        }
-        if element.is_multiple_of(rows) {
-            for a in 0..3 {
-                let force = local[NODES + a];
-                values[cell[NODES + a] as usize] += (self.part(layer) - 1.0) * force;
-                if let Some(mean) = layout.mean.get(2 * (element / rows) + a) {
-                    values[*mean as usize] += force;
-                }
+        let first = element.is_multiple_of(rows);
+        for (i, (value, number)) in local.iter().zip(cell).enumerate().filter(|(_, (_, n))| **n != FIXED) {
+            if !(first && (NODES..NODES + 3).contains(&i)) {
+                values[*number as usize] += value;
+                continue;
+            }
+            let [gap, mean] = self.surface(body).force(*value);
+            values[*number as usize] += gap;
+            if let Some(number) = layout.mean.get(2 * (element / rows) + i - NODES) {
+                values[*number as usize] += mean;
             }
         }
     }

@@ -4,7 +4,6 @@ use super::{Contents, Rates, Residual, System, boundary_friction_with_slopes, mo
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
-use crate::laws::contact::is_active;
 use crate::parameters::Inputs;
 use crate::solver::linear::FIXED;
 
@@ -102,13 +101,12 @@ impl System {
             }
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, outflow) in self.film_outflows(unknowns, inputs.sliding_speed) {
+        for (station, outflow) in self.film_outflows(unknowns, inputs) {
             values[self.layout.pressure[0][station * levels] as usize] += outflow.value / self.copies();
         }
         for column in 0..self.layers[0].mesh.columns {
             let at = self.film_local(column, unknowns);
-            let terms =
-                self.film.element(self.film_length(column), &at, inputs.sliding_speed, &self.mass_rate(rates, column));
+            let terms = self.film.element(self.film_length(column), &at, speeds, &self.mass_rate(rates, column));
             for a in 0..3 {
                 let number = self.layout.pressure[0][(2 * column + a) * levels];
                 if number != FIXED {
@@ -147,9 +145,7 @@ impl System {
             let gap = self.layout.gap[i] as usize;
             contact_forces[i] = self.copies() * values[gap];
             let pressure = if *active { contact_forces[i] / self.weights[i] } else { 0.0 };
-            // A station whose pressure and gap are both round-off keeps its status.
-            let hysteresis = 1e-11 * self.stress_scale * if *active { 1.0 } else { -1.0 };
-            let now = is_active(pressure + hysteresis, unknowns[gap], self.contact_stiffness);
+            let now = self.smooth_contact().touches(*active, pressure, unknowns[gap]);
             changed |= now != *active;
             *active = now;
         }
@@ -157,7 +153,7 @@ impl System {
         for i in (0..active.len()).filter(|i| active[*i]) {
             let gap = self.layout.gap[i] as usize;
             self.add_friction(i, share * contact_forces[i], values);
-            values[gap] = self.layout.gap_uses[i] * self.contact_diagonal() * unknowns[gap];
+            values[gap] = self.layout.gap_uses[i] * self.smooth_contact().closed(unknowns[gap]).0;
         }
         for i in (0..active.len()).filter(|i| self.layout.void[*i] != FIXED) {
             let [pressure, void] = self.pressure_and_void(i, unknowns);
@@ -168,10 +164,6 @@ impl System {
                 };
         }
         Ok(changed)
-    }
-
-    pub(super) fn contact_diagonal(&self) -> f64 {
-        self.stress_scale
     }
 
     /// Adds a tangential force at a station, along -x on the upper and +x on the lower body.

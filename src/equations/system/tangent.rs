@@ -200,18 +200,9 @@ impl System {
             return;
         }
         let column = element / layer.mesh.rows;
-        let half = self.part(layer);
         let two_bodies = self.layers.len() == 2;
-        // Columns: the vertical displacement of a surface node is mean + side/2 gap; without a mean against a rigid counterface.
-        for a in 0..3 {
-            for i in 0..LOCAL {
-                let value = matrix[(NODES + a) * m + i];
-                matrix[(NODES + a) * m + i] = half * value;
-                if two_bodies {
-                    matrix[(LOCAL + a) * m + i] = value;
-                }
-            }
-        }
+        let surface = self.surface(body);
+        surface.transform_columns(matrix, m);
         if let Some(contact) = self.rough_contact(inputs) {
             let (mut by_local, mut by_gap) = ([0.0; LOCAL * LOCAL], [[0.0; LOCAL]; 3]);
             let terms = ContactTerms { tangent: Some((&mut by_local, &mut by_gap)), ..ContactTerms::default() };
@@ -221,29 +212,28 @@ impl System {
                 column.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
         }
-        // Rows likewise, then friction and the condition of contact.
+        // Rows, then friction and the condition of contact.
         let (share, _) = self.friction(inputs);
         for j in 0..m {
             let values = &mut matrix[j * m..(j + 1) * m];
-            for a in 0..3 {
-                let value = values[NODES + a];
-                values[NODES + a] = half * value;
+            surface.transform_rows(values);
+            for a in (0..3).filter(|a| active[2 * column + a]) {
                 if two_bodies {
-                    values[LOCAL + a] = value;
+                    let force = layer.side * share * values[NODES + a];
+                    values[a] += force;
+                    values[LOCAL + 3 + a] -= force;
                 }
-                if active[2 * column + a] {
-                    values[a] += layer.side * share * half * value;
-                    if two_bodies {
-                        values[LOCAL + 3 + a] -= layer.side * share * half * value;
-                    }
-                    values[NODES + a] = if j == NODES + a { self.contact_diagonal() } else { 0.0 };
-                }
+                values[NODES + a] = if j == NODES + a { self.smooth_contact().closed(0.0).1 } else { 0.0 };
             }
         }
         if body == 0 {
             let at = self.film_local(column, unknowns);
-            let terms =
-                self.film.element(self.film_length(column), &at, inputs.sliding_speed, &self.mass_rate(rates, column));
+            let terms = self.film.element(
+                self.film_length(column),
+                &at,
+                surface_speeds(inputs),
+                &self.mass_rate(rates, column),
+            );
             for a in 0..3 {
                 for b in 0..3 {
                     matrix[(NODES + b) * m + 2 * NODES + a] += terms.tangent[a][b] / self.copies();
@@ -254,9 +244,7 @@ impl System {
                 }
             }
             let stations = 2 * column..=2 * column + 2;
-            for (station, outflow) in
-                self.film_outflows(unknowns, inputs.sliding_speed).filter(|(i, _)| stations.contains(i))
-            {
+            for (station, outflow) in self.film_outflows(unknowns, inputs).filter(|(i, _)| stations.contains(i)) {
                 let a = station - 2 * column;
                 matrix[(NODES + a) * m + 2 * NODES + a] += outflow.by_gap / self.copies();
                 matrix[(2 * NODES + a) * m + 2 * NODES + a] += outflow.by_pressure / self.copies();
@@ -387,18 +375,18 @@ impl System {
             }
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, outflow) in self.film_outflows(unknowns, inputs.sliding_speed) {
+        for (station, outflow) in self.film_outflows(unknowns, inputs) {
             let number = self.layout.pressure[0][station * levels] as usize;
-            values[number] += outflow.by_speed * direction.sliding_speed / self.copies();
+            values[number] += along(outflow.by_speeds, speeds) / self.copies();
         }
         for column in 0..self.layers[0].mesh.columns {
             let local = self.film_local(column, unknowns);
             let rate = self.mass_rate(rates, column);
-            let terms = self.film.element(self.film_length(column), &local, inputs.sliding_speed, &rate);
+            let terms = self.film.element(self.film_length(column), &local, surface_speeds(inputs), &rate);
             for a in 0..3 {
                 let number = self.layout.pressure[0][(2 * column + a) * levels];
                 if number != FIXED {
-                    values[number as usize] += terms.by_speed[a] * direction.sliding_speed / self.copies();
+                    values[number as usize] += along(terms.by_speeds.map(|by| by[a]), speeds) / self.copies();
                 }
             }
         }
@@ -408,16 +396,17 @@ impl System {
     /// change. Where the film ends with a given pressure there is no balance, and it counts as none.
     pub fn film_outflow(&self, at: At<'_>, change: &Change) -> Vec<[f64; 2]> {
         let mut outflow = vec![[0.0; 2]; self.stations.len()];
+        let (speeds, faster) = (surface_speeds(at.inputs), change.inputs.surface_speeds(at.inputs));
         for column in 0..self.layers[0].mesh.columns {
             let values = self.film_local(column, at.unknowns);
             let local = self.film_local(column, &change.unknowns);
             let length = self.film_length(column);
-            let terms = self.film.element(length, &values, at.inputs.sliding_speed, &self.mass_rate(at.rates, column));
+            let terms = self.film.element(length, &values, speeds, &self.mass_rate(at.rates, column));
             let stored = change.history.as_ref().map_or([0.0; 3], |h| self.film.storage(length, &h.film[column]));
             for a in 0..3 {
-                let along: f64 = terms.tangent[a].iter().zip(local).map(|(t, c)| t * c).sum();
+                let moved: f64 = terms.tangent[a].iter().zip(local).map(|(t, c)| t * c).sum();
                 outflow[2 * column + a][0] += terms.residual[a];
-                outflow[2 * column + a][1] += along + stored[a] + terms.by_speed[a] * change.inputs.sliding_speed;
+                outflow[2 * column + a][1] += moved + stored[a] + along(terms.by_speeds.map(|by| by[a]), faster);
             }
         }
         if self.film_ends.is_none() {
@@ -425,16 +414,20 @@ impl System {
             (outflow[0], outflow[last]) = ([0.0; 2], [0.0; 2]);
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, end) in self.film_outflows(at.unknowns, at.inputs.sliding_speed) {
+        for (station, end) in self.film_outflows(at.unknowns, at.inputs) {
             let changed = |number: u32| change.unknowns[number as usize];
             let gap = changed(self.layout.gap[station]);
             let pressure = changed(self.layout.pressure[0][station * levels]);
             outflow[station][0] += end.value;
-            outflow[station][1] +=
-                end.by_gap * gap + end.by_pressure * pressure + end.by_speed * change.inputs.sliding_speed;
+            outflow[station][1] += end.by_gap * gap + end.by_pressure * pressure + along(end.by_speeds, faster);
         }
         outflow
     }
+}
+
+/// Derivatives by the two surface speeds, along a change of these.
+fn along(by_speeds: [f64; 2], change: [f64; 2]) -> f64 {
+    by_speeds[0] * change[0] + by_speeds[1] * change[1]
 }
 
 /// Adds matrix times vector.

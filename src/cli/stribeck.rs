@@ -1,9 +1,5 @@
 //! `cartilage-contact stribeck`: the states of a case over penetration depth and speed, as a table and as figures.
 
-#[cfg(feature = "parquet")]
-mod parquet;
-mod table;
-
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -21,8 +17,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::case::{CaseArguments, numbers};
 use super::figures::fields::Picture;
+use super::table::Table;
 use super::{Failure, figures, format, print};
-pub use table::Table;
 
 /// The depths of the paper's Table 2.
 const PAPER_DEPTHS: &str = "-10e-6:100e-6:1e-6";
