@@ -71,7 +71,7 @@ def test_variables_have_the_promised_names_and_roles(description):
 
 def test_every_length_pressure_force_and_speed_has_a_unit(description):
     dimensionless = ("coefficient", "support", "number", "ratio", "grading", "tolerance", "fraction", "exponent", "parameter",
-                     "share", "error", "decay")
+                     "share", "error", "decay", "index", "zone_start", "zone_end")
     for variable in description.modelVariables:
         if variable.type in ("Real", "Float64") and variable.causality != "independent":
             assert (variable.unit is None) == variable.name.endswith(dimensionless), variable.name
@@ -81,8 +81,9 @@ def test_display_units_run_from_si(description):
     for unit in description.unitDefinitions:
         for display in unit.displayUnits:
             expected = {"mm": 1e3, "um": 1e6, "mm/s": 1e3, "deg": 180 / math.pi, "kPa": 1e-3, "MPa": 1e-6, "um2": 1e12,
-                        "mm2": 1e6, "1/MPa": 1e6, "1/GPa": 1e9, "mPa.s": 1e3, "mN": 1e3, "kN": 1e-3, "N/mm": 1e-3,
-                        "N/um": 1e-6, "mm2/s": 1e6, "um2/s": 1e12, "ms": 1e3}
+                        "mm2": 1e6, "1/MPa": 1e6, "1/GPa": 1e9, "mPa.s": 1e3, "mN": 1e3, "kN": 1e-3,
+                        "N/um": 1e-6, "mm2/s": 1e6, "um2/s": 1e12, "ms": 1e3, "N.mm": 1e3, "N.mm/mm": 1, "mW": 1e3, "mJ": 1e3,
+                        "mm4/(N.s)": 1e12}
             assert float(display.factor) == pytest.approx(expected[display.name], rel=1e-12)
 
 
