@@ -23,7 +23,7 @@
 //! of pressure.
 //!
 //! Where the film is so thin that pressure cannot follow the surfaces from node to node, h_c moves upstream, by Pe/(1 + Pe) of the way
-//! to the node there, with the column's Peclet number Pe = 6 <eta> |U| l^2/(2 pi G h_c^3): the surfaces' answer to a ripple of pressure of
+//! to the node there, with the column's Peclet number Pe = 6 eta |U| l^2/(2 pi G h_c^3): the surfaces' answer to a ripple of pressure of
 //! that length against the flow it drives. It vanishes with l^2, so that the scheme is of second order where the film is resolved.
 
 use num_dual::Dual64;

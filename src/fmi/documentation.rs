@@ -67,7 +67,7 @@ fn settable(wanted: fn(&Variable) -> bool) -> String {
 fn tunable() -> String {
     let names =
         VARIABLES.iter().filter(|variable| matches!(variable.source, Source::Parameter(row) if row.is_tunable()));
-    names.map(|variable| code(&variable.name)).collect::<Vec<_>>().join(", ")
+    names.map(|variable| code(variable.name)).collect::<Vec<_>>().join(", ")
 }
 
 fn results() -> String {
