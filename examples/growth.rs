@@ -14,12 +14,12 @@ struct Arguments {
     /// Threads to work on
     #[arg(long, default_value_t = 1)]
     threads: usize,
-    /// Each part is done for so long, and at least three times [s]
+    /// Each part is done for so long, and at least three times \[s\]
     #[arg(long, default_value_t = 1.0)]
     seconds: f64,
 }
 
-/// The least time that something takes [s].
+/// The least time that something takes \[s\].
 fn least<E>(seconds: f64, mut work: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
     let (start, mut least, mut count) = (Instant::now(), f64::INFINITY, 0);
     while count < 3 || start.elapsed().as_secs_f64() < seconds {

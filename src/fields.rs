@@ -30,45 +30,45 @@ pub struct BodyFields {
     pub columns: usize,
     /// Elements through the thickness.
     pub rows: usize,
-    /// Places before deformation [m].
+    /// Places before deformation \[m\].
     pub reference_position: Vec<[f64; 2]>,
-    /// Displacements [m].
+    /// Displacements \[m\].
     pub displacement: Vec<[f64; 2]>,
-    /// Pore pressure, above ambient [Pa].
+    /// Pore pressure, above ambient \[Pa\].
     pub fluid_pressure: Vec<f64>,
-    /// Von Mises stress of the solid part (true effective stress, plane strain) [Pa]. Strains are averaged over the elements
+    /// Von Mises stress of the solid part (true effective stress, plane strain) \[Pa\]. Strains are averaged over the elements
     /// that meet at a node.
     pub von_mises_stress: Vec<f64>,
-    /// Flow of fluid relative to the solid, per area of the deformed tissue [m/s].
+    /// Flow of fluid relative to the solid, per area of the deformed tissue \[m/s\].
     pub darcy_flux: Vec<[f64; 2]>,
     /// Mean ratio of the volumes after and before deformation, one value an element; element (column, row) has index
-    /// `column * rows + row` [1].
+    /// `column * rows + row` \[1\].
     pub volume_ratio: Vec<f64>,
 }
 
 /// Fields at the surface nodes, in the order of x.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct InterfaceFields {
-    /// Places along x [m].
+    /// Places along x \[m\].
     pub position: Vec<f64>,
-    /// Film thickness h [m].
+    /// Film thickness h \[m\].
     pub film_thickness: Vec<f64>,
-    /// Fluid pressure p, above ambient [Pa].
+    /// Fluid pressure p, above ambient \[Pa\].
     pub fluid_pressure: Vec<f64>,
     /// How much of the film thickness is void; zero unless the film may tear. More than the film where void has entered the tissue's
-    /// pores [m].
+    /// pores \[m\].
     pub void_thickness: Vec<f64>,
-    /// Pressure of solid on solid p_c, the normal stress S_n of the solid at the surface [Pa].
+    /// Pressure of solid on solid p_c, the normal stress S_n of the solid at the surface \[Pa\].
     pub contact_pressure: Vec<f64>,
-    /// Flux along the film Q = -h^3/(12 eta) p' + U (h - c)/2 with the void c, per unit depth [m^2/s].
+    /// Flux along the film Q = -h^3/(12 eta) p' + U (h - c)/2 with the void c, per unit depth \[m^2/s\].
     pub film_flux: Vec<f64>,
-    /// Fluid that leaves the upper body through its surface, V_1 [m/s].
+    /// Fluid that leaves the upper body through its surface, V_1 \[m/s\].
     pub upper_outflow: Vec<f64>,
-    /// Fluid that leaves the lower body through its surface, V_2 [m/s].
+    /// Fluid that leaves the lower body through its surface, V_2 \[m/s\].
     pub lower_outflow: Vec<f64>,
-    /// Fluid that enters the film, V = V_1 + V_2; none where the bodies touch [m/s].
+    /// Fluid that enters the film, V = V_1 + V_2; none where the bodies touch \[m/s\].
     pub outflow: Vec<f64>,
-    /// Length of surface that each node stands for in the balance of fluid [m]: sums of outflows times weights are integrals.
+    /// Length of surface that each node stands for in the balance of fluid \[m\]: sums of outflows times weights are integrals.
     /// Zero where a node has no balance of its own.
     pub weight: Vec<f64>,
 }
@@ -79,7 +79,7 @@ impl BodyFields {
         2 * self.rows + 1
     }
 
-    /// Place of a node after deformation [m].
+    /// Place of a node after deformation \[m\].
     pub fn position(&self, node: usize) -> [f64; 2] {
         std::array::from_fn(|k| self.reference_position[node][k] + self.displacement[node][k])
     }
@@ -294,7 +294,7 @@ impl Solution<'_> {
     }
 }
 
-/// Gradients of displacement [1] and pressure [Pa/m] at local coordinates of an element.
+/// Gradients of displacement \[1\] and pressure \[Pa/m\] at local coordinates of an element.
 fn gradients(layer: &Layer, element: usize, at: &Local, s: f64, t: f64) -> (Matrix2<f64>, Vector2<f64>) {
     let mesh = &layer.mesh;
     let places = mesh.element_nodes(element).map(|n| mesh.nodes[n]);

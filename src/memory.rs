@@ -4,10 +4,10 @@
 use crate::error::Error;
 use crate::parameters::Parameters;
 
-/// What is taken to be free where the operating system does not say [bytes].
+/// What is taken to be free where the operating system does not say \[bytes\].
 const ASSUMED: f64 = 4e9;
 
-/// Most that a simulation takes [bytes], from above: nearly all of it are the factors of the tangent. Nested dissection leaves a number
+/// Most that a simulation takes \[bytes\], from above: nearly all of it are the factors of the tangent. Nested dissection leaves a number
 /// of entries an element that grows with the logarithm of the rows; both constants are measured. Two bodies are eliminated as one strip
 /// of twice the rows. Equal bodies are solved as one and its mirror image, and as two where friction pulls them apart.
 pub fn needed(parameters: &Parameters) -> f64 {
@@ -38,7 +38,7 @@ pub fn reserve(parameters: &Parameters, made: bool) -> Result<(), Error> {
     })
 }
 
-/// What this process may still take [bytes], as far as the operating system says: of the machine, of its container, and of its
+/// What this process may still take \[bytes\], as far as the operating system says: of the machine, of its container, and of its
 /// own address space.
 fn available() -> Option<f64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();

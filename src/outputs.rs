@@ -106,7 +106,7 @@ const STATION_GRADING: f64 = 3.0;
 /// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
 const MIXED_FILM: f64 = 3.0;
 
-/// Below this load [N/m], the least one that has a steady state, ratios fade to nothing: bodies that are not pressed together have none.
+/// Below this load \[N/m\], the least one that has a steady state, ratios fade to nothing: bodies that are not pressed together have none.
 const SMALLEST_LOAD: f64 = 1e-6;
 
 /// A converged state of a [`System`].
@@ -120,7 +120,7 @@ pub struct Solved<'a> {
     pub at: At<'a>,
 }
 
-/// The fixed stations of the profiles for an interface of this half width [m].
+/// The fixed stations of the profiles for an interface of this half width \[m\].
 pub fn profile_stations(half_width: f64) -> Vec<f64> {
     let last = (STATIONS - 1) as f64;
     (0..STATIONS).map(|i| half_width * graded(2.0 * i as f64 / last - 1.0, STATION_GRADING)).collect()

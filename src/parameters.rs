@@ -17,39 +17,39 @@ pub use table::{Kind, PARAMETERS, Parameter, Value, find};
 /// One cartilage layer on its bone.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Body {
-    /// Radius of the articular surface [m]: negative where it is concave, 0 where it is flat.
+    /// Radius of the articular surface \[m\]: negative where it is concave, 0 where it is flat.
     pub outer_radius: f64,
-    /// Thickness of the layer [m].
+    /// Thickness of the layer \[m\].
     pub thickness: f64,
-    /// Drained shear modulus [Pa].
+    /// Drained shear modulus \[Pa\].
     pub shear_modulus: f64,
-    /// Drained bulk modulus [Pa].
+    /// Drained bulk modulus \[Pa\].
     pub bulk_modulus: f64,
-    /// Intrinsic permeability of the undeformed tissue [m^2].
+    /// Intrinsic permeability of the undeformed tissue \[m^2\].
     pub permeability: f64,
-    /// Biot-Willis coefficient [1].
+    /// Biot-Willis coefficient \[1\].
     pub biot_coefficient: f64,
-    /// Volume fraction of the solid in the undeformed tissue [1]; like the next two of [`PermeabilityLaw::HolmesMow`] only.
+    /// Volume fraction of the solid in the undeformed tissue \[1\]; like the next two of [`PermeabilityLaw::HolmesMow`] only.
     pub solid_volume_fraction: f64,
-    /// Exponent of the pore volume in the permeability [1].
+    /// Exponent of the pore volume in the permeability \[1\].
     pub permeability_exponent: f64,
-    /// Coefficient of the exponential in the permeability [1].
+    /// Coefficient of the exponential in the permeability \[1\].
     pub permeability_strain_coefficient: f64,
     /// How the drained solid answers to strain; both moduli are those at small strain.
     pub solid_law: SolidLaw,
-    /// Coefficient of the exponential in the strain energy [1] ([`SolidLaw::HolmesMow`] only).
+    /// Coefficient of the exponential in the strain energy \[1\] ([`SolidLaw::HolmesMow`] only).
     pub stiffening_coefficient: f64,
-    /// Modulus of the fibres that only pull [Pa]; 0: there are none.
+    /// Modulus of the fibres that only pull \[Pa\]; 0: there are none.
     pub fibre_modulus: f64,
-    /// Exponent of their strain energy [1].
+    /// Exponent of their strain energy \[1\].
     pub fibre_exponent: f64,
-    /// Coefficient of the exponential in it [1]; 0: a power law.
+    /// Coefficient of the exponential in it \[1\]; 0: a power law.
     pub fibre_exponential_coefficient: f64,
-    /// Permeability along the articular surface over that through the depth [1].
+    /// Permeability along the articular surface over that through the depth \[1\].
     pub tangential_permeability_ratio: f64,
-    /// Depth where the middle zone begins, whose properties are those above, as a share of the thickness [1].
+    /// Depth where the middle zone begins, whose properties are those above, as a share of the thickness \[1\].
     pub middle_zone_start: f64,
-    /// Depth where it ends, likewise [1].
+    /// Depth where it ends, likewise \[1\].
     pub middle_zone_end: f64,
     /// Properties at the surface over those of the middle zone; linear in between.
     pub surface: Factors,
@@ -65,13 +65,13 @@ impl Body {
         changes.then_some(DepthProfile { surface: self.surface, deep: self.deep, middle_zone })
     }
 
-    /// Drained modulus of confined compression at the surface, K + 4G/3 [Pa].
+    /// Drained modulus of confined compression at the surface, K + 4G/3 \[Pa\].
     pub fn surface_aggregate_modulus(&self) -> f64 {
         let factors = self.depth_profile().map_or(Factors::NONE, |profile| profile.at(0.0));
         self.bulk_modulus * factors.bulk_modulus + 4.0 / 3.0 * self.shear_modulus * factors.shear_modulus
     }
 
-    /// Drained shear modulus, mean over the thickness [Pa].
+    /// Drained shear modulus, mean over the thickness \[Pa\].
     pub fn mean_shear_modulus(&self) -> f64 {
         self.shear_modulus * self.depth_profile().map_or(1.0, |profile| profile.mean(|factors| factors.shear_modulus))
     }
@@ -135,31 +135,31 @@ pub struct Parameters {
     pub lower: Body,
     /// Whether the lower body is rigid and impermeable, such as glass or metal, and its tissue of no account.
     pub rigid_lower: bool,
-    /// Half the angle of the sector that is modelled [rad]; of the body with the smaller radius. 0: it goes with the contact.
+    /// Half the angle of the sector that is modelled \[rad\]; of the body with the smaller radius. 0: it goes with the contact.
     pub sector_half_angle: f64,
-    /// Extent out of the plane [m]: turns forces per unit depth into forces.
+    /// Extent out of the plane \[m\]: turns forces per unit depth into forces.
     pub width: f64,
-    /// Dynamic viscosity of the fluid [Pa s]; of a [`FluidLaw::Carreau`] that at high shear rates, and that in the pores.
+    /// Dynamic viscosity of the fluid \[Pa s\]; of a [`FluidLaw::Carreau`] that at high shear rates, and that in the pores.
     pub viscosity: f64,
-    /// Viscosity of the fluid in the pores [Pa s]; 0: that of the film.
+    /// Viscosity of the fluid in the pores \[Pa s\]; 0: that of the film.
     pub pore_viscosity: f64,
     /// How the film's shear stress depends on the shear rate.
     pub fluid_law: FluidLaw,
-    /// Viscosity at low shear rates [Pa s]; like the next two of [`FluidLaw::Carreau`] only.
+    /// Viscosity at low shear rates \[Pa s\]; like the next two of [`FluidLaw::Carreau`] only.
     pub zero_shear_viscosity: f64,
-    /// Relaxation time: one over the shear rate at which the fluid begins to thin [s].
+    /// Relaxation time: one over the shear rate at which the fluid begins to thin \[s\].
     pub relaxation_time: f64,
-    /// Exponent of the shear stress over the rate where it thins [1].
+    /// Exponent of the shear stress over the rate where it thins \[1\].
     pub flow_index: f64,
-    /// Compressibility of the fluid [1/Pa].
+    /// Compressibility of the fluid \[1/Pa\].
     pub fluid_compressibility: f64,
-    /// Friction coefficient of drained solid on solid [1].
+    /// Friction coefficient of drained solid on solid \[1\].
     pub boundary_friction_coefficient: f64,
     /// Whether boundary friction acts on the tissue as a traction, or is only reported.
     pub boundary_friction_loads_tissue: bool,
-    /// Sliding velocity at which regularised Coulomb friction reaches 71 % [m/s] (`consistent` only).
+    /// Sliding velocity at which regularised Coulomb friction reaches 71 % \[m/s\] (`consistent` only).
     pub friction_regularisation_speed: f64,
-    /// Length added to the film thickness in the Couette shear stress [m].
+    /// Length added to the film thickness in the Couette shear stress \[m\].
     pub shear_film_offset: f64,
     /// Which balance laws are solved.
     pub formulation: Formulation,
@@ -177,31 +177,31 @@ pub struct Parameters {
     pub control: Control,
     /// Allowed error of one internal step in time, relative to the fields.
     pub relative_tolerance: f64,
-    /// Longest internal step in time [s].
+    /// Longest internal step in time \[s\].
     pub maximum_internal_step: f64,
     /// Which model answers in the FMU; programs choose by which of them they make.
     pub fidelity: Fidelity,
     /// Whether the film tears where its pressure would fall below the cavitation pressure.
     pub cavitation: bool,
-    /// Least pressure of the film, above ambient [Pa].
+    /// Least pressure of the film, above ambient \[Pa\].
     pub cavitation_pressure: f64,
-    /// After so long [s] a solution is given up; 0 is never.
+    /// After so long \[s\] a solution is given up; 0 is never.
     pub maximum_solve_time: f64,
     /// How permeability answers to strain.
     pub permeability_law: PermeabilityLaw,
-    /// Combined root mean square roughness of the two surfaces [m]; 0 is smooth.
+    /// Combined root mean square roughness of the two surfaces \[m\]; 0 is smooth.
     pub surface_roughness: f64,
     /// How the pressure of asperities falls with the distance of rough surfaces.
     pub asperity_law: AsperityLaw,
-    /// Pressure of the asperities where the mean planes meet [Pa].
+    /// Pressure of the asperities where the mean planes meet \[Pa\].
     pub asperity_pressure: f64,
-    /// Decay length of the asperities' pressure over the roughness [1] ([`AsperityLaw::Exponential`]).
+    /// Decay length of the asperities' pressure over the roughness \[1\] ([`AsperityLaw::Exponential`]).
     pub asperity_decay: f64,
-    /// Pressure of the stiffer core where the mean planes meet [Pa].
+    /// Pressure of the stiffer core where the mean planes meet \[Pa\].
     pub core_pressure: f64,
-    /// Its decay length over the roughness [1].
+    /// Its decay length over the roughness \[1\].
     pub core_decay: f64,
-    /// Share of the fluid's pressure in real contact that boundary friction feels, phi of Ateshian [1] (rough surfaces).
+    /// Share of the fluid's pressure in real contact that boundary friction feels, phi of Ateshian \[1\] (rough surfaces).
     pub solid_fraction: f64,
     /// Where the other values start from; to get these values, [`Preset::parameters`].
     pub preset: Preset,
@@ -294,15 +294,15 @@ impl Default for Parameters {
 /// What the two layers are made to do. Also the rates of change of all this, per second.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Inputs {
-    /// Approach of the bones past first touch of the undeformed surfaces [m]; positive presses the layers together.
+    /// Approach of the bones past first touch of the undeformed surfaces \[m\]; positive presses the layers together.
     pub penetration_depth: f64,
-    /// Sum of the two surface speeds, both positive along +x [m/s].
+    /// Sum of the two surface speeds, both positive along +x \[m/s\].
     pub sliding_speed: f64,
-    /// (upper - lower surface speed) / sliding speed [1].
+    /// (upper - lower surface speed) / sliding speed \[1\].
     pub slide_to_roll_ratio: f64,
-    /// Rate of change of the penetration depth [m/s].
+    /// Rate of change of the penetration depth \[m/s\].
     pub approach_speed: f64,
-    /// Load per unit depth under [`Control::Load`] [N/m].
+    /// Load per unit depth under [`Control::Load`] \[N/m\].
     pub applied_load: f64,
 }
 
@@ -339,7 +339,7 @@ impl Inputs {
     }
 }
 
-/// Least sum of the two curvatures [1/m].
+/// Least sum of the two curvatures \[1/m\].
 const LEAST_CURVATURE: f64 = 1e-3;
 
 impl Default for Inputs {
@@ -360,19 +360,19 @@ impl std::fmt::Display for Inputs {
 }
 
 impl Body {
-    /// Curvature of the articular surface, positive where it is convex [1/m].
+    /// Curvature of the articular surface, positive where it is convex \[1/m\].
     pub fn curvature(&self) -> f64 {
         if self.outer_radius == 0.0 { 0.0 } else { 1.0 / self.outer_radius }
     }
 }
 
 impl Parameters {
-    /// Hydraulic permeability of a body's undeformed tissue [m^4/(N s)].
+    /// Hydraulic permeability of a body's undeformed tissue \[m^4/(N s)\].
     pub fn hydraulic_permeability(&self, body: &Body) -> f64 {
         body.permeability / self.viscosity_in_pores()
     }
 
-    /// Viscosity of the fluid in the pores [Pa s].
+    /// Viscosity of the fluid in the pores \[Pa s\].
     pub fn viscosity_in_pores(&self) -> f64 {
         if self.pore_viscosity == 0.0 { self.viscosity } else { self.pore_viscosity }
     }

@@ -87,7 +87,7 @@ pub struct View<'a> {
     pub inputs: &'a Inputs,
     /// The results of the last solution.
     pub outputs: &'a Outputs,
-    /// The contact stiffness [N/m].
+    /// The contact stiffness \[N/m\].
     pub contact_stiffness: f64,
     /// The profile stations.
     pub position: &'a [f64],

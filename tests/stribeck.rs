@@ -464,7 +464,7 @@ fn target(command: &str, folder: &Path) -> String {
 
 const SMALL: &str = "--set=mesh.columns=12 --set=mesh.rows=1";
 
-/// The other commands that write: their last argument is the longest time until they are killed [ms].
+/// The other commands that write: their last argument is the longest time until they are killed \[ms\].
 fn kill_others(times: u64) {
     kill(&format!("gait {SMALL} --steps 16 --cycles 1"), 1500, times);
     kill(&format!("sensitivity {SMALL}"), 1500, times);

@@ -88,7 +88,7 @@ fn quick_tissue() -> Parameters {
     )
 }
 
-/// t^2/(k H_A) [s].
+/// t^2/(k H_A) \[s\].
 fn consolidation_time(parameters: &Parameters) -> f64 {
     let body = &parameters.upper;
     let modulus = body.bulk_modulus + 4.0 / 3.0 * body.shear_modulus;

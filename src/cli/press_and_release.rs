@@ -22,7 +22,7 @@ const FIRST: i32 = -10;
 const LAST: i32 = 30;
 /// Seconds that a micron takes. Slow enough for the steady states that the FMU computes.
 const STEP: f64 = 1.0;
-/// Sliding speed [m/s].
+/// Sliding speed \[m/s\].
 const SPEED: f64 = 0.2;
 /// Depths whose profiles are drawn [micron]: undeformed surfaces that just touch, nearly solid contact, solid contact.
 const PROFILED: [i32; 3] = [0, 12, 30];

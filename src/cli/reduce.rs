@@ -23,11 +23,11 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Least and largest penetration depth [m]
+    /// Least and largest penetration depth \[m\]
     #[arg(long, value_name = "LEAST:MOST", allow_hyphen_values = true, default_value = "-20e-6:60e-6")]
     depths: String,
 
-    /// Slowest and fastest sliding speed in either direction [m/s]; 0 for rest and reversals
+    /// Slowest and fastest sliding speed in either direction \[m/s\]; 0 for rest and reversals
     #[arg(long, value_name = "SLOWEST:FASTEST", default_value = "0:0.5")]
     speeds: String,
 

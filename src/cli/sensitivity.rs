@@ -32,7 +32,7 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Penetration depths [m]: a list, or from:to:step
+    /// Penetration depths \[m\]: a list, or from:to:step
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, default_value = "0,10e-6,50e-6")]
     depths: String,
 

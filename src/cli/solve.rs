@@ -29,19 +29,19 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Approach of the bones past first touch of the undeformed surfaces [m], or with a unit, "12 um"; negative is clearance
+    /// Approach of the bones past first touch of the undeformed surfaces \[m\], or with a unit, "12 um"; negative is clearance
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     penetration_depth: Option<String>,
 
-    /// Sum of the two surface speeds, both positive along +x [m/s]
+    /// Sum of the two surface speeds, both positive along +x \[m/s\]
     #[arg(long, value_name = "METRES_PER_SECOND", allow_hyphen_values = true)]
     sliding_speed: Option<String>,
 
-    /// (Upper - lower surface speed) / sliding speed [1]
+    /// (Upper - lower surface speed) / sliding speed \[1\]
     #[arg(long, value_name = "RATIO", allow_hyphen_values = true)]
     slide_to_roll_ratio: Option<String>,
 
-    /// Load per unit depth [N/m]: finds the depth that carries it
+    /// Load per unit depth \[N/m\]: finds the depth that carries it
     #[arg(long, value_name = "NEWTONS_PER_METRE", conflicts_with = "penetration_depth")]
     applied_load: Option<String>,
 

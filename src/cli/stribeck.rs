@@ -42,15 +42,15 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Penetration depths [m]
+    /// Penetration depths \[m\]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, default_value = PAPER_DEPTHS)]
     depths: String,
 
-    /// Sliding speeds [m/s]; by default the one of the case
+    /// Sliding speeds \[m/s\]; by default the one of the case
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     speeds: Option<String>,
 
-    /// Penetration depths [m] whose fields are drawn and written for ParaView
+    /// Penetration depths \[m\] whose fields are drawn and written for ParaView
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     fields: Option<String>,
 

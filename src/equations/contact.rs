@@ -17,9 +17,9 @@ use crate::laws::roughness::Roughness;
 /// Complementarity of gap and contact pressure at a node, by the primal-dual active set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothContact {
-    /// Weight of gaps against contact pressures [Pa/m].
+    /// Weight of gaps against contact pressures \[Pa/m\].
     pub stiffness: f64,
-    /// Modulus of the tissue [Pa].
+    /// Modulus of the tissue \[Pa\].
     pub modulus: f64,
 }
 

@@ -42,31 +42,31 @@ pub type Local = [f64; 9];
 pub struct Film {
     /// Its flow curve.
     pub fluid: Fluid,
-    /// Added to the gap of smooth surfaces in the mean shear rate [m].
+    /// Added to the gap of smooth surfaces in the mean shear rate \[m\].
     pub shear_film_offset: f64,
-    /// Compressibility chi [1/Pa].
+    /// Compressibility chi \[1/Pa\].
     pub fluid_compressibility: f64,
     /// Order of the pressure's shape functions.
     pub pressure_order: i32,
     /// Whether the film may tear.
     pub tears: bool,
-    /// Roughness of the surfaces, and shear modulus of the tissue [Pa]; none where they are smooth.
+    /// Roughness of the surfaces, and shear modulus of the tissue \[Pa\]; none where they are smooth.
     pub rough: Option<(Roughness, f64)>,
 }
 
 /// How fast the film's mass changes: d(r h)/dt = rate * r h + history; steady is zero.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MassRate {
-    /// Factor of r h [1/s].
+    /// Factor of r h \[1/s\].
     pub rate: f64,
-    /// The rest of the difference formula, at each point of storage [m/s].
+    /// The rest of the difference formula, at each point of storage \[m/s\].
     pub history: [f64; 3],
 }
 
 /// Residual of the three pressure equations with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Terms {
-    /// Residual [m^2/s].
+    /// Residual \[m^2/s\].
     pub residual: [f64; 3],
     /// By gaps, pressures and thicknesses of void.
     pub tangent: [[f64; 9]; 3],
@@ -101,7 +101,7 @@ struct Void {
     by_upstream_void: f64,
 }
 
-/// In a film thinner than this the share of void is reckoned as if it were this thick [m]: where contact opens there is no share yet.
+/// In a film thinner than this the share of void is reckoned as if it were this thick \[m\]: where contact opens there is no share yet.
 /// It is far below the roughness of cartilage.
 const THINNEST: f64 = 1e-8;
 
@@ -178,7 +178,7 @@ impl Film {
         })
     }
 
-    /// Fluid r (h - c) where it is stored [m]: at the quadrature points, or at the nodes where the film may tear. Beside a node in
+    /// Fluid r (h - c) where it is stored \[m\]: at the quadrature points, or at the nodes where the film may tear. Beside a node in
     /// contact an interpolated gap may be a little below zero; it counts as it is, so that what is stored is linear in the gaps of
     /// the nodes, and has no kink where they close.
     pub fn mass(&self, at: &Local) -> [f64; 3] {
@@ -193,7 +193,7 @@ impl Film {
         self.rough.map_or((gap, 1.0), |(rough, _)| rough.thickness(gap))
     }
 
-    /// Mean shear rate [1/s] for a distance of the surfaces and the difference of their speeds.
+    /// Mean shear rate \[1/s\] for a distance of the surfaces and the difference of their speeds.
     fn shear_rate(&self, gap: Dual64, speed_difference: Dual64) -> Dual64 {
         let per_speed = match self.rough {
             Some((rough, _)) => {
@@ -216,7 +216,7 @@ impl Film {
         wall_shear(&self.fluid, thickness, self.shear_rate(gap, speed_difference), pressure_gradient)
     }
 
-    /// Power that the flow driven by a pressure gradient dissipates over the film's thickness, phi h^3 p'^2/(12 eta) [W/m^2]; as
+    /// Power that the flow driven by a pressure gradient dissipates over the film's thickness, phi h^3 p'^2/(12 eta) \[W/m^2\]; as
     /// [`Film::wall_shear`].
     pub fn pressure_flow_dissipation(
         &self,
@@ -251,7 +251,7 @@ impl Film {
         })
     }
 
-    /// Residual of the three pressure equations for d(r h)/dt alone, given where fluid is stored [m/s].
+    /// Residual of the three pressure equations for d(r h)/dt alone, given where fluid is stored \[m/s\].
     pub fn storage(&self, length: f64, rate: &[f64; 3]) -> [f64; 3] {
         let mut residual = [0.0; 3];
         for (store, rate) in self.stores().into_iter().zip(rate) {
@@ -262,7 +262,7 @@ impl Film {
         residual
     }
 
-    /// The terms of an element of this length [m], between an upper and a lower surface of these speeds [m/s].
+    /// The terms of an element of this length \[m\], between an upper and a lower surface of these speeds \[m/s\].
     pub fn element(&self, length: f64, at: &Local, speeds: [f64; 2], mass_rate: &MassRate) -> Terms {
         let mut terms = Terms::default();
         let sliding_speed = speeds[0] + speeds[1];

@@ -22,9 +22,9 @@ use crate::laws::fluid::Fluid;
 pub struct FilmEnd {
     /// 1 on the right, -1 on the left.
     pub side: f64,
-    /// Outward slope of the gap [1].
+    /// Outward slope of the gap \[1\].
     pub slope: f64,
-    /// Curvature of the gap [1/m].
+    /// Curvature of the gap \[1/m\].
     pub curvature: f64,
     /// The lubricant.
     pub fluid: Fluid,
@@ -33,21 +33,21 @@ pub struct FilmEnd {
 /// Flux that leaves the sector, with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Outflow {
-    /// e Q [m^2/s].
+    /// e Q \[m^2/s\].
     pub value: f64,
-    /// By the gap at the end [m/s].
+    /// By the gap at the end \[m/s\].
     pub by_gap: f64,
     /// By the pressure there.
     pub by_pressure: f64,
-    /// By the speeds of the upper and the lower surface [m].
+    /// By the speeds of the upper and the lower surface \[m\].
     pub by_speeds: [f64; 2],
 }
 
 /// Flow beyond the end, along a change of its causes.
 struct Beyond {
-    /// e Q [m^2/s].
+    /// e Q \[m^2/s\].
     outflow: Dual64,
-    /// Viscosity [Pa s].
+    /// Viscosity \[Pa s\].
     viscosity: Dual64,
     /// I_1 and I_2.
     integrals: [Dual64; 2],

@@ -9,11 +9,11 @@ use crate::parameters::{Body, Control, Inputs, MeshDistribution, Parameters};
 /// The nodes of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// x of the interface nodes [m].
+    /// x of the interface nodes \[m\].
     pub stations: Vec<f64>,
     /// Depths of the levels below the surface over the thickness, of the upper and the lower body.
     pub depths: [Vec<f64>; 2],
-    /// Distance of the undeformed surfaces at first touch, at the interface nodes [m].
+    /// Distance of the undeformed surfaces at first touch, at the interface nodes \[m\].
     pub touching_gap: Vec<f64>,
 }
 
@@ -22,18 +22,18 @@ pub fn moves(parameters: &Parameters) -> bool {
     parameters.sector_half_angle == 0.0 || parameters.mesh_distribution == MeshDistribution::Contact
 }
 
-/// Sum of the two curvatures [1/m].
+/// Sum of the two curvatures \[1/m\].
 fn curvature(parameters: &Parameters) -> f64 {
     parameters.upper.curvature() + parameters.lower.curvature()
 }
 
 /// delta R/a^2 = d/(c a^2) with the sum of curvatures c, of the table for Poisson's ratio 1/2 at a/t = 1, 2, 4, within 2 %; 1/6 is the
-/// limit of a thin layer. The depth d at which the contact's half-width is a [m].
+/// limit of a thin layer. The depth d at which the contact's half-width is a \[m\].
 fn indentation(parameters: &Parameters, a: f64) -> f64 {
     curvature(parameters) * a * a * (1.0 / 6.0 + 0.27 * (thickness(parameters) / a).powf(0.74))
 }
 
-/// Half-width at which a load [N/m] is carried: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
+/// Half-width at which a load \[N/m\] is carried: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
 /// strain up to a/t = 6.
 fn half_width_under(parameters: &Parameters, load: f64) -> f64 {
     let lower = if parameters.rigid_lower { 0.0 } else { 1.0 / parameters.lower.mean_shear_modulus() };
@@ -45,12 +45,12 @@ fn half_width_under(parameters: &Parameters, load: f64) -> f64 {
     root(carried, load.max(0.0))
 }
 
-/// The depth at which about this load is carried in motion [m].
+/// The depth at which about this load is carried in motion \[m\].
 pub fn depth_under(parameters: &Parameters, load: f64) -> f64 {
     indentation(parameters, half_width_under(parameters, load))
 }
 
-/// Mean thickness of the layers [m].
+/// Mean thickness of the layers \[m\].
 fn thickness(parameters: &Parameters) -> f64 {
     let upper = parameters.upper.thickness;
     if parameters.rigid_lower { upper } else { 0.5 * (upper + parameters.lower.thickness) }
@@ -61,7 +61,7 @@ pub fn part(parameters: &Parameters) -> f64 {
     if parameters.rigid_lower { 1.0 } else { 0.5 }
 }
 
-/// Half the width, in the undeformed layers, of the contact that these inputs are expected to make, by their depth or by their load [m]; where the bones are apart, the
+/// Half the width, in the undeformed layers, of the contact that these inputs are expected to make, by their depth or by their load \[m\]; where the bones are apart, the
 /// width over which the film builds up pressure. 0 where the mesh stays.
 ///
 /// By the theory of thin bonded layers (Meijers 1968; Jaffar 1989) for undrained tissue, with the spreading of tissue that is pressed
@@ -87,7 +87,7 @@ pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs, control: Con
     (pressed / (1.0 + SPREADING * flattened)).hypot(apart.sqrt())
 }
 
-/// Where an increasing function of a length, 0 at 0, has this value [m].
+/// Where an increasing function of a length, 0 at 0, has this value \[m\].
 fn root(f: impl Fn(f64) -> f64, value: f64) -> f64 {
     let (mut low, mut high) = (1e-9_f64, 1.0_f64);
     for _ in 0..60 {
@@ -97,7 +97,7 @@ fn root(f: impl Fn(f64) -> f64, value: f64) -> f64 {
     low
 }
 
-/// Half the width of the interface for a contact of this half-width [m].
+/// Half the width of the interface for a contact of this half-width \[m\].
 pub fn half_width(parameters: &Parameters, contact: f64) -> f64 {
     /// Beyond the contact, in its half-widths and in thicknesses.
     const BEYOND: [f64; 2] = [1.0, 6.0];
@@ -112,7 +112,7 @@ pub fn half_width(parameters: &Parameters, contact: f64) -> f64 {
     (contact * (1.0 + BEYOND[0]) + BEYOND[1] * thickness).min(LARGEST_ANGLE.sin() * radius)
 }
 
-/// Half the angle of the widest sector [rad].
+/// Half the angle of the widest sector \[rad\].
 const LARGEST_ANGLE: f64 = 0.7;
 
 /// Ends of `columns` elements between -half_width and half_width, dense at the edges of the contact.

@@ -14,7 +14,7 @@ use crate::fem::mesh::LayerMesh;
 use crate::laws::kinematics::Strain;
 use nalgebra::Matrix2;
 
-/// Adds the terms of those edges of an element that lie on an end of the layer, at a surface speed [m/s].
+/// Adds the terms of those edges of an element that lie on an end of the layer, at a surface speed \[m/s\].
 pub fn ends(tissue: &Tissue, mesh: &LayerMesh, element: usize, at: &Local, speed: f64, terms: ElementTerms<'_>) {
     let ElementTerms { mut residual, mut by_speed, mut tangent } = terms;
     for point in mesh.end_points(element).filter(|point| point.outflow * speed > 0.0) {

@@ -11,13 +11,13 @@ use crate::solver::linear::{Cluster, FIXED};
 /// What an unknown measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// A displacement [m].
+    /// A displacement \[m\].
     Displacement,
-    /// The distance of the two surfaces [m].
+    /// The distance of the two surfaces \[m\].
     Gap,
-    /// A pressure [Pa].
+    /// A pressure \[Pa\].
     Pressure,
-    /// How much of a gap is void [m].
+    /// How much of a gap is void \[m\].
     Void,
 }
 

@@ -36,15 +36,15 @@ use crate::laws::solid::Solid;
 pub struct Tissue {
     /// Drained solid, moduli weighted as the formulation says.
     pub solid: Solid,
-    /// Biot-Willis coefficient alpha [1].
+    /// Biot-Willis coefficient alpha \[1\].
     pub biot_coefficient: f64,
-    /// Hydraulic permeability kappa/eta of the undeformed tissue through its depth [m^4/(N s)].
+    /// Hydraulic permeability kappa/eta of the undeformed tissue through its depth \[m^4/(N s)\].
     pub mobility: f64,
-    /// That along the articular surface over that through the depth [1].
+    /// That along the articular surface over that through the depth \[1\].
     pub tangential_ratio: f64,
     /// How it answers to strain; `None` where it does not.
     pub strain_dependence: Option<HolmesMow>,
-    /// Compressibility chi of the fluid [1/Pa].
+    /// Compressibility chi of the fluid \[1/Pa\].
     pub fluid_compressibility: f64,
     /// Whether stress and Darcy's law are those of the consistent formulation.
     pub consistent: bool,
@@ -55,9 +55,9 @@ pub struct Tissue {
 /// How fast an element's volume changes: dJ/dt = rate * J + history, by the time integration; steady is rate = history = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VolumeRate {
-    /// Factor of J [1/s].
+    /// Factor of J \[1/s\].
     pub rate: f64,
-    /// The rest of the difference formula, at each quadrature point [1/s].
+    /// The rest of the difference formula, at each quadrature point \[1/s\].
     pub history: [f64; POINTS],
 }
 
@@ -79,19 +79,19 @@ pub struct ElementTerms<'a> {
 /// State of the tissue at a quadrature point.
 struct State {
     strain: Strain,
-    /// p [Pa].
+    /// p \[Pa\].
     pressure: f64,
-    /// grad p [Pa/m].
+    /// grad p \[Pa/m\].
     pressure_gradient: Vector2<f64>,
-    /// Rigid rotation of the body per surface speed, v_rot [1].
+    /// Rigid rotation of the body per surface speed, v_rot \[1\].
     rotation: Vector2<f64>,
-    /// Surface speed U_i [m/s].
+    /// Surface speed U_i \[m/s\].
     speed: f64,
     /// Weight of the convective term, and of its derivative by the speed.
     upstream_weights: [f64; 2],
-    /// dJ/dt [1/s].
+    /// dJ/dt \[1/s\].
     volume_rate: f64,
-    /// Its derivative by J [1/s].
+    /// Its derivative by J \[1/s\].
     volume_rate_by_volume: f64,
 }
 
@@ -127,13 +127,13 @@ impl Tissue {
         (self.fluid_compressibility * state.pressure).exp()
     }
 
-    /// K grad p: what seeps through the pores, against its direction [m/s].
+    /// K grad p: what seeps through the pores, against its direction \[m/s\].
     fn seepage(&self, state: &State) -> Vector2<f64> {
         let (mobility, _) = self.mobility_at(&state.strain, &state.rotation);
         mobility.conductance(&state.strain, self.consistent) * state.pressure_gradient
     }
 
-    /// -alpha (J - 1) v_rot: what the rotation carries, per surface speed [1].
+    /// -alpha (J - 1) v_rot: what the rotation carries, per surface speed \[1\].
     fn convection(&self, state: &State) -> Vector2<f64> {
         state.rotation * (-self.biot_coefficient * state.strain.volume_change)
     }
@@ -198,7 +198,7 @@ impl Tissue {
         }
     }
 
-    /// Adds the terms of one element at local values `at`, moving with `speed` [m/s].
+    /// Adds the terms of one element at local values `at`, moving with `speed` \[m/s\].
     ///
     /// # Errors
     /// [`Inverted`] where J <= 0 at a quadrature point of what is asked for.
@@ -242,7 +242,7 @@ impl Tissue {
         [weight, weight + 2.0 * square / (1.0 + square).powi(2)].map(|value| velocity.signum() * value)
     }
 
-    /// Residual of an element for dJ/dt alone, given at its quadrature points [1/s].
+    /// Residual of an element for dJ/dt alone, given at its quadrature points \[1/s\].
     pub fn storage(&self, mesh: &LayerMesh, element: usize, at: &Local, rate: &[f64; POINTS]) -> Local {
         let mut residual = [0.0; LOCAL];
         for (q, (point, rate)) in mesh.points(element).iter().zip(rate).enumerate() {

@@ -30,20 +30,20 @@ fn gradients([xs, xt, ys, yt]: [f64; 4], by_s: &[f64; NODES], by_t: &[f64; NODES
 /// What the weak forms need at one quadrature point.
 #[derive(Debug, Clone, Copy)]
 pub struct Point {
-    /// Quadrature weight times Jacobian [m^2].
+    /// Quadrature weight times Jacobian \[m^2\].
     pub weight: f64,
-    /// d(shape function)/dX and d/dY of the displacement's nodes [1/m].
+    /// d(shape function)/dX and d/dY of the displacement's nodes \[1/m\].
     pub gradients: [[f64; NODES]; 2],
-    /// Velocity of the rotating body per unit of surface speed [1].
+    /// Velocity of the rotating body per unit of surface speed \[1\].
     pub velocity: [f64; 2],
 }
 
 /// What the weak forms need at one quadrature point of an end of the layer.
 #[derive(Debug, Clone, Copy)]
 pub struct EndPoint {
-    /// Velocity outwards through the end per unit of surface speed, times quadrature weight times length [m].
+    /// Velocity outwards through the end per unit of surface speed, times quadrature weight times length \[m\].
     pub outflow: f64,
-    /// d(shape function)/dX and d/dY of the displacement's nodes [1/m].
+    /// d(shape function)/dX and d/dY of the displacement's nodes \[1/m\].
     pub gradients: [[f64; NODES]; 2],
     /// Values of the pressure's shape functions.
     pub pressure_shape: [f64; NODES],
@@ -59,7 +59,7 @@ pub struct LayerMesh {
     pub columns: usize,
     /// Elements through the thickness.
     pub rows: usize,
-    /// Reference positions of the nodes [m].
+    /// Reference positions of the nodes \[m\].
     pub nodes: Vec<[f64; 2]>,
     /// Order of the pressure's shape functions.
     pub pressure_order: i32,
@@ -168,7 +168,7 @@ impl LayerMesh {
     /// A cartilage layer on the outside of a circle that touches y = 0 at x = 0 from above (`side` = 1) or from below (-1); on its inside
     /// where the radius is negative, and a flat one where it is infinite.
     ///
-    /// `stations` are the x of the surface nodes [m], `depths` the distances of the levels from the surface [m].
+    /// `stations` are the x of the surface nodes \[m\], `depths` the distances of the levels from the surface \[m\].
     pub fn sector(stations: &[f64], depths: &[f64], radius: f64, side: f64, pressure_order: i32) -> Self {
         let curvature = 1.0 / radius;
         Self::new(
@@ -218,7 +218,7 @@ impl LayerMesh {
         &self.points[element * POINTS..(element + 1) * POINTS]
     }
 
-    /// Gradients of the pressure's shape functions at a quadrature point of an element [1/m].
+    /// Gradients of the pressure's shape functions at a quadrature point of an element \[1/m\].
     pub fn pressure_gradients(&self, element: usize, point: usize) -> &[[f64; NODES]; 2] {
         let index = element * POINTS + point;
         if self.pressure_order == 2 { &self.points[index].gradients } else { &self.pressure_gradients[index] }

@@ -167,7 +167,7 @@ pub unsafe fn array<'a, T>(name: &str, first: *const T, length: usize) -> Answer
 /// An array from C to write to.
 ///
 /// # Safety
-/// As for [`array`], and nobody reads it meanwhile.
+/// As for [`array()`], and nobody reads it meanwhile.
 pub unsafe fn array_mut<'a, T>(name: &str, first: *mut T, length: usize) -> Answer<&'a mut [T]> {
     if length == 0 {
         return Ok(&mut []);

@@ -16,7 +16,7 @@ use crate::parameters::Value;
 use crate::units::Unit;
 use crate::variables::{Source, Type, VARIABLES, Variable};
 
-/// The experiment that importers run unless told otherwise: start, stop and step [s].
+/// The experiment that importers run unless told otherwise: start, stop and step \[s\].
 pub const DEFAULT_EXPERIMENT: (f64, f64, f64) = (0.0, 1.0, 0.1);
 
 /// When this version of the table was made; a fixed date keeps the FMU the same bytes from the same sources.

@@ -21,7 +21,7 @@ pub enum Model {
 pub struct Table {
     parameters: Parameters,
     model: ReducedModel,
-    /// What the inputs did in the last step, and how long that was [s].
+    /// What the inputs did in the last step, and how long that was \[s\].
     drive: Drive,
     duration: f64,
     inputs: Inputs,
@@ -124,7 +124,7 @@ impl Model {
         }
     }
 
-    /// Rate of change of the normal force with the penetration depth [N/m].
+    /// Rate of change of the normal force with the penetration depth \[N/m\].
     ///
     /// # Errors
     /// [`Error::State`] where there is no state yet.

@@ -2,8 +2,8 @@
 
 use super::Formulation;
 
-/// Whether a point is in contact, from its contact pressure [Pa] and gap [m]: the primal-dual active set keeps the points with
-/// p_c - c g > 0. At a solution one of the two is zero and the other decides; c [Pa/m] only weighs them on the way.
+/// Whether a point is in contact, from its contact pressure \[Pa\] and gap \[m\]: the primal-dual active set keeps the points with
+/// p_c - c g > 0. At a solution one of the two is zero and the other decides; c \[Pa/m\] only weighs them on the way.
 pub fn is_active(contact_pressure: f64, gap: f64, stiffness: f64) -> bool {
     contact_pressure - stiffness * gap > 0.0
 }

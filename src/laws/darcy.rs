@@ -12,11 +12,11 @@ use super::kinematics::{COFACTOR_DERIVATIVE, Strain, flatten};
 /// with the volume ratio J and the volume fraction s of the solid at J = 1. The bracket is the pore volume over that at J = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HolmesMow {
-    /// Volume fraction s of the solid in the undeformed tissue [1].
+    /// Volume fraction s of the solid in the undeformed tissue \[1\].
     pub solid_volume_fraction: f64,
-    /// Exponent L of the pore volume [1].
+    /// Exponent L of the pore volume \[1\].
     pub exponent: f64,
-    /// Coefficient M of the exponential [1].
+    /// Coefficient M of the exponential \[1\].
     pub strain_coefficient: f64,
 }
 
@@ -43,16 +43,16 @@ impl HolmesMow {
 /// articular surface, a multiple of it along them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mobility {
-    /// Across the layers [m^4/(N s)].
+    /// Across the layers \[m^4/(N s)\].
     pub across: f64,
-    /// That along the layers over that across [1].
+    /// That along the layers over that across \[1\].
     pub tangential_ratio: f64,
     /// Along the layers of the undeformed tissue; a unit vector.
     pub tangent: Vector2<f64>,
 }
 
 impl Mobility {
-    /// What is along the layers in excess [m^4/(N s)].
+    /// What is along the layers in excess \[m^4/(N s)\].
     fn excess(&self) -> f64 {
         self.across * (self.tangential_ratio - 1.0)
     }

@@ -1,6 +1,6 @@
 //! How properties of the tissue change with the depth below the articular surface.
 
-/// Factors of a tissue's properties, or how these compare with those of the middle zone [1].
+/// Factors of a tissue's properties, or how these compare with those of the middle zone \[1\].
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Factors {
     /// Of the drained shear modulus.

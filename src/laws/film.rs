@@ -8,17 +8,17 @@ use super::fluid::Fluid;
 /// film: no flux.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ReynoldsFlux {
-    /// Q [m^2/s].
+    /// Q \[m^2/s\].
     pub value: f64,
-    /// dQ/dh [m/s].
+    /// dQ/dh \[m/s\].
     pub by_film_thickness: f64,
-    /// dQ/d(dp/dx) [m^4/(N s) m].
+    /// dQ/d(dp/dx) \[m^4/(N s) m\].
     pub by_pressure_gradient: f64,
-    /// By the speeds of the upper and the lower surface [m].
+    /// By the speeds of the upper and the lower surface \[m\].
     pub by_speeds: [f64; 2],
 }
 
-/// Mean shear rate (U1 - U2) / (h + offset) of a film between smooth surfaces [1/s], and its derivative by the gap. The offset keeps it
+/// Mean shear rate (U1 - U2) / (h + offset) of a film between smooth surfaces \[1/s\], and its derivative by the gap. The offset keeps it
 /// finite in contact.
 pub fn mean_shear_rate(gap: f64, speed_difference: f64, offset: f64) -> (f64, f64) {
     if gap < 0.0 {
@@ -28,8 +28,8 @@ pub fn mean_shear_rate(gap: f64, speed_difference: f64, offset: f64) -> (f64, f6
     (rate, -rate / (gap + offset))
 }
 
-/// Reynolds' flux for a gap [m], a pressure gradient [Pa/m], the speeds of the upper and the lower surface [m/s] and the offset of the
-/// shear rate [m]. The viscosity is that of [`Fluid::sheared`].
+/// Reynolds' flux for a gap \[m\], a pressure gradient \[Pa/m\], the speeds of the upper and the lower surface \[m/s\] and the offset of the
+/// shear rate \[m\]. The viscosity is that of [`Fluid::sheared`].
 pub fn reynolds_flux(fluid: &Fluid, gap: f64, pressure_gradient: f64, speeds: [f64; 2], offset: f64) -> ReynoldsFlux {
     if gap <= 0.0 {
         return ReynoldsFlux::default();
@@ -53,7 +53,7 @@ pub fn reynolds_flux(fluid: &Fluid, gap: f64, pressure_gradient: f64, speeds: [f
     }
 }
 
-/// The two parts of the wall shear stress (equation 15) [Pa], with their changes: (h/2) dp/dx, which acts with opposite signs in the two
+/// The two parts of the wall shear stress (equation 15) \[Pa\], with their changes: (h/2) dp/dx, which acts with opposite signs in the two
 /// friction forces, and the mean stress over the film, which acts with the same sign; that is viscosity times mean shear rate where the
 /// fluid is Newtonian.
 pub fn wall_shear(fluid: &Fluid, thickness: Dual64, shear_rate: Dual64, pressure_gradient: Dual64) -> [Dual64; 2] {

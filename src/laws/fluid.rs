@@ -15,7 +15,7 @@ use num_dual::{Dual64, DualNum};
 /// How the shear stress of the lubricant depends on the shear rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fluid {
-    /// In proportion: the viscosity [Pa s].
+    /// In proportion: the viscosity \[Pa s\].
     Newtonian(f64),
     /// Thinner at high rates.
     Carreau(Carreau),
@@ -26,13 +26,13 @@ pub enum Fluid {
 /// is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Carreau {
-    /// Viscosity at low shear rates eta_0 [Pa s].
+    /// Viscosity at low shear rates eta_0 \[Pa s\].
     pub zero_shear_viscosity: f64,
-    /// Viscosity at high shear rates eta_inf [Pa s].
+    /// Viscosity at high shear rates eta_inf \[Pa s\].
     pub infinite_shear_viscosity: f64,
-    /// Relaxation time lambda [s].
+    /// Relaxation time lambda \[s\].
     pub relaxation_time: f64,
-    /// Flow index n [1], above 0 and up to 1.
+    /// Flow index n \[1\], above 0 and up to 1.
     pub flow_index: f64,
 }
 
@@ -40,17 +40,17 @@ pub struct Carreau {
 /// G = (h/2) p'.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sheared {
-    /// Viscosity eta_p that the flow driven by pressure feels [Pa s].
+    /// Viscosity eta_p that the flow driven by pressure feels \[Pa s\].
     pub viscosity: f64,
-    /// Its derivative by the mean shear rate [Pa s^2].
+    /// Its derivative by the mean shear rate \[Pa s^2\].
     pub viscosity_by_rate: f64,
-    /// Its derivative by G [s].
+    /// Its derivative by G \[s\].
     pub viscosity_by_difference: f64,
-    /// Mean shear stress tau_m [Pa].
+    /// Mean shear stress tau_m \[Pa\].
     pub stress: f64,
-    /// Its derivative by the mean shear rate [Pa s].
+    /// Its derivative by the mean shear rate \[Pa s\].
     pub stress_by_rate: f64,
-    /// Its derivative by G [1].
+    /// Its derivative by G \[1\].
     pub stress_by_difference: f64,
 }
 
@@ -67,7 +67,7 @@ const GAUSS: [[f64; 2]; 8] = [
 ];
 
 impl Fluid {
-    /// Stress over rate [Pa s] for the square of a shear rate [1/s^2].
+    /// Stress over rate \[Pa s\] for the square of a shear rate \[1/s^2\].
     pub fn viscosity(&self, square: Dual64) -> Dual64 {
         match self {
             Self::Newtonian(viscosity) => Dual64::from(*viscosity),
@@ -87,7 +87,7 @@ impl Fluid {
         }
     }
 
-    /// A film with this mean shear rate (U1 - U2)/h [1/s] and half difference of its wall stresses (h/2) p' [Pa].
+    /// A film with this mean shear rate (U1 - U2)/h \[1/s\] and half difference of its wall stresses (h/2) p' \[Pa\].
     pub fn sheared(&self, rate: f64, difference: f64) -> Sheared {
         match self {
             Self::Newtonian(viscosity) => Sheared {
@@ -115,13 +115,13 @@ impl Carreau {
         thinned * excess + self.infinite_shear_viscosity
     }
 
-    /// The flow curve: shear stress at a rate [Pa], and its slope [Pa s].
+    /// The flow curve: shear stress at a rate \[Pa\], and its slope \[Pa s\].
     pub fn stress(&self, rate: f64) -> (f64, f64) {
         let stress = self.viscosity(Dual64::new(rate * rate, 2.0 * rate)) * Dual64::new(rate, 1.0);
         (stress.re, stress.eps)
     }
 
-    /// The shear rate at a stress [1/s], and its slope [1/(Pa s)], by Newton's method from a rate nearby.
+    /// The shear rate at a stress \[1/s\], and its slope \[1/(Pa s)\], by Newton's method from a rate nearby.
     ///
     /// For positive rates the flow curve is concave: from the left Newton's method goes up to the root and never past it.
     fn rate(&self, stress: f64, guess: f64) -> (f64, f64) {

@@ -1,7 +1,7 @@
 //! Rough surfaces: what their asperities carry, and how they change the film between them.
 //!
-//! h is the mean distance of the two surfaces [m], negative where the mean planes overlap, and sigma the combined root mean square
-//! roughness [m].
+//! h is the mean distance of the two surfaces \[m\], negative where the mean planes overlap, and sigma the combined root mean square
+//! roughness \[m\].
 
 /// How the pressure of the asperities falls with the distance of the surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -20,17 +20,17 @@ pub enum AsperityLaw {
 /// lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roughness {
-    /// Combined root mean square roughness sigma [m].
+    /// Combined root mean square roughness sigma \[m\].
     pub rms: f64,
     /// Law of the asperities.
     pub law: AsperityLaw,
-    /// Their pressure at h = 0 [Pa].
+    /// Their pressure at h = 0 \[Pa\].
     pub asperity_pressure: f64,
-    /// Decay length of the exponential law over sigma, c [1].
+    /// Decay length of the exponential law over sigma, c \[1\].
     pub asperity_decay: f64,
-    /// Pressure of the core at h = 0 [Pa].
+    /// Pressure of the core at h = 0 \[Pa\].
     pub core_pressure: f64,
-    /// Its decay length over sigma [1].
+    /// Its decay length over sigma \[1\].
     pub core_decay: f64,
 }
 
@@ -51,7 +51,7 @@ fn greenwood_tripp(x: f64) -> (f64, f64) {
 }
 
 impl Roughness {
-    /// Pressure p_a of solid on solid over the nominal area [Pa], and its derivative by h [Pa/m].
+    /// Pressure p_a of solid on solid over the nominal area \[Pa\], and its derivative by h \[Pa/m\].
     pub fn pressure(&self, gap: f64) -> (f64, f64) {
         let x = gap / self.rms;
         let open = x.max(0.0);
@@ -67,7 +67,7 @@ impl Roughness {
         (asperities + core + slope * x.min(0.0), slope / self.rms)
     }
 
-    /// The distance at which rough surfaces carry this pressure, which is positive [m].
+    /// The distance at which rough surfaces carry this pressure, which is positive \[m\].
     pub fn gap_at(&self, pressure: f64) -> f64 {
         let (at_zero, slope) = self.pressure(0.0);
         if pressure >= at_zero {
@@ -85,7 +85,7 @@ impl Roughness {
     }
 
     /// Share of the nominal area where the surfaces would overlap, for Gaussian heights: the bearing area erfc(h / (sqrt(2) sigma)) / 2,
-    /// and its derivative by h [1/m].
+    /// and its derivative by h \[1/m\].
     pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
         let x = gap / self.rms;
         let density = (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
@@ -103,13 +103,13 @@ impl Roughness {
     }
 
     /// Pressure flow factor on h^3 for isotropic roughness, 1 - 0.9 exp(-0.56 h / sigma) (N. Patir and H. S. Cheng, Journal of Lubrication
-    /// Technology 100 (1978) 12-17), and its derivative by the film's thickness [1/m].
+    /// Technology 100 (1978) 12-17), and its derivative by the film's thickness \[1/m\].
     pub fn flow_factor(&self, thickness: f64) -> (f64, f64) {
         let reduction = 0.9 * (-0.56 * thickness / self.rms).exp();
         (1.0 - reduction, 0.56 * reduction / self.rms)
     }
 
-    /// Mean of 1/h over the rough gap [1/m], by which viscosity times sliding velocity is the mean shear stress: phi_f / h of N. Patir
+    /// Mean of 1/h over the rough gap \[1/m\], by which viscosity times sliding velocity is the mean shear stress: phi_f / h of N. Patir
     /// and H. S. Cheng, Journal of Lubrication Technology 101 (1979) 220-229, for heights of polynomial density; gaps below
     /// sigma / 100 count as solid. And its derivative by the film's thickness.
     pub fn inverse_thickness(&self, thickness: f64) -> (f64, f64) {

@@ -26,11 +26,11 @@ use nalgebra::{Matrix2, Vector2};
 
 /// Energy and powers of the tissue.
 pub(super) struct TissueEnergy {
-    /// Elastic energy of the solid [J/m].
+    /// Elastic energy of the solid \[J/m\].
     pub stored: Dual64,
-    /// Dissipated by flow through the pores [W/m].
+    /// Dissipated by flow through the pores \[W/m\].
     pub pores: Dual64,
-    /// What moving tissue takes out of the sector [W/m].
+    /// What moving tissue takes out of the sector \[W/m\].
     pub carried: Dual64,
 }
 

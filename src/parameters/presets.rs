@@ -30,19 +30,19 @@ pub enum Preset {
 /// Cartilage as tests of the biphasic theory report it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tissue {
-    /// Aggregate modulus H_A: drained, in uniaxial strain [Pa].
+    /// Aggregate modulus H_A: drained, in uniaxial strain \[Pa\].
     pub aggregate_modulus: f64,
-    /// Drained Poisson's ratio [1].
+    /// Drained Poisson's ratio \[1\].
     pub poisson_ratio: f64,
-    /// Hydraulic permeability [m^4/(N s)].
+    /// Hydraulic permeability \[m^4/(N s)\].
     pub hydraulic_permeability: f64,
-    /// Thickness of the layer [m].
+    /// Thickness of the layer \[m\].
     pub thickness: f64,
-    /// Combined root mean square roughness of two such surfaces [m].
+    /// Combined root mean square roughness of two such surfaces \[m\].
     pub roughness: f64,
-    /// Tensile modulus E+ of the drained tissue, which fibres add [Pa]; 0 where there are none.
+    /// Tensile modulus E+ of the drained tissue, which fibres add \[Pa\]; 0 where there are none.
     pub tensile_modulus: f64,
-    /// Permeability along the surface over that through the depth [1].
+    /// Permeability along the surface over that through the depth \[1\].
     pub tangential_permeability_ratio: f64,
     /// Values at the surface and at the bone over those in the middle, linear in between, where the tissue has layers.
     pub layers: Option<[Factors; 2]>,
@@ -234,18 +234,18 @@ pub(super) const ITEMS: [(&str, &str); 9] = {
 };
 
 impl Tissue {
-    /// Drained shear modulus, H_A (1 - 2 nu) / (2 (1 - nu)) [Pa].
+    /// Drained shear modulus, H_A (1 - 2 nu) / (2 (1 - nu)) \[Pa\].
     pub fn shear_modulus(&self) -> f64 {
         self.aggregate_modulus * (1.0 - 2.0 * self.poisson_ratio) / (2.0 * (1.0 - self.poisson_ratio))
     }
 
-    /// Drained bulk modulus, H_A (1 + nu) / (3 (1 - nu)) [Pa].
+    /// Drained bulk modulus, H_A (1 + nu) / (3 (1 - nu)) \[Pa\].
     pub fn bulk_modulus(&self) -> f64 {
         self.aggregate_modulus * (1.0 + self.poisson_ratio) / (3.0 * (1.0 - self.poisson_ratio))
     }
 
     /// Modulus xi of fibres in all directions (power law of exponent 2) that resist the spreading of a plug in fast unconfined
-    /// compression, strains e, e, -2e, as the tensile modulus does: E+ e = 2 xi e int_0^u (1 - c^2)(1 - 3 c^2) dc, u^2 = 1/3 [Pa].
+    /// compression, strains e, e, -2e, as the tensile modulus does: E+ e = 2 xi e int_0^u (1 - c^2)(1 - 3 c^2) dc, u^2 = 1/3 \[Pa\].
     pub fn fibre_modulus(&self) -> f64 {
         let u = (1.0_f64 / 3.0).sqrt();
         self.tensile_modulus / (2.0 * (u - 4.0 / 3.0 * u.powi(3) + 0.6 * u.powi(5)))

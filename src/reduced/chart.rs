@@ -16,11 +16,11 @@ pub enum Side {
 /// The curved coordinates.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Chart {
-    /// Least and largest depth of the table [m].
+    /// Least and largest depth of the table \[m\].
     pub depths: [f64; 2],
     /// Grid lines: logarithms of speeds, ascending.
     pub log_speeds: Vec<f64>,
-    /// Depth of first touch on those lines [m]; empty where the patch covers all depths.
+    /// Depth of first touch on those lines \[m\]; empty where the patch covers all depths.
     pub touch: Vec<f64>,
     /// The same at rest (0 where the patch covers all depths), in a table that goes down to rest.
     pub rest: Option<f64>,
@@ -29,16 +29,16 @@ pub struct Chart {
 /// A depth, and its derivatives by the coordinate s and by U.
 #[derive(Clone, Copy)]
 pub struct Depth {
-    /// The depth [m].
+    /// The depth \[m\].
     pub value: f64,
-    /// By s [m].
+    /// By s \[m\].
     pub by_station: f64,
-    /// By U, s being kept [s].
+    /// By U, s being kept \[s\].
     pub by_speed: f64,
 }
 
 impl Chart {
-    /// The speed of the slowest line [m/s].
+    /// The speed of the slowest line \[m/s\].
     pub fn slowest(&self) -> f64 {
         self.log_speeds[0].exp()
     }

@@ -31,11 +31,11 @@ use quantities::{LOWER_FRICTION, SCALARS, State, UPPER_FRICTION, mirrored};
 /// The inputs that a table covers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Range {
-    /// Least and largest penetration depth [m].
+    /// Least and largest penetration depth \[m\].
     pub depths: [f64; 2],
-    /// Slowest and fastest speed in either direction [m/s]; with 0 the table goes down to rest and covers reversals.
+    /// Slowest and fastest speed in either direction \[m/s\]; with 0 the table goes down to rest and covers reversals.
     pub speeds: [f64; 2],
-    /// The one slide-to-roll ratio [1].
+    /// The one slide-to-roll ratio \[1\].
     pub slide_to_roll_ratio: f64,
 }
 
@@ -79,9 +79,9 @@ impl Range {
 /// The errors at one state that a finished table was compared with, relative; see [`Accuracy`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Check {
-    /// Penetration depth [m].
+    /// Penetration depth \[m\].
     pub penetration_depth: f64,
-    /// Sliding speed [m/s].
+    /// Sliding speed \[m/s\].
     pub sliding_speed: f64,
     /// Whether it is near first touch.
     pub near_touch: bool,
@@ -191,7 +191,7 @@ impl ReducedModel {
         &self.content.checks
     }
 
-    /// The slowest speed above 0 at which states were solved [m/s]. Between it and rest, the table follows even and odd powers of
+    /// The slowest speed above 0 at which states were solved \[m/s\]. Between it and rest, the table follows even and odd powers of
     /// the speed.
     pub fn slowest_line(&self) -> f64 {
         self.content.chart.slowest()
@@ -214,12 +214,12 @@ impl ReducedModel {
         self.content.grids.iter().map(|grid| grid.stations.len() * lines).sum()
     }
 
-    /// The fixed stations of the profiles [m], ascending.
+    /// The fixed stations of the profiles \[m\], ascending.
     pub fn position(&self) -> &[f64] {
         &self.position
     }
 
-    /// Penetration depth at which the solids first touch at a speed [m]; `None` where that is not in the table.
+    /// Penetration depth at which the solids first touch at a speed \[m\]; `None` where that is not in the table.
     pub fn first_touch(&self, sliding_speed: f64) -> Option<f64> {
         Some(self.content.chart.touch(sliding_speed.abs())?[0])
     }

@@ -19,14 +19,14 @@ pub(super) struct Point {
     pub inputs: Inputs,
     /// Whether the lower body is the mirror image of the upper one.
     pub mirrored: bool,
-    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
+    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] \[m\].
     pub contact_half_width: f64,
     /// How many times its own viscosity the film has: 1 but on the way to a state.
     pub thickening: f64,
     pub unknowns: Vec<f64>,
     /// Stations in contact.
     pub active: Vec<bool>,
-    /// Force of contact at each station, zero where there is none [N/m].
+    /// Force of contact at each station, zero where there is none \[N/m\].
     pub contact_forces: Vec<f64>,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Place {
     pub rates: Option<Rates>,
 }
 
-/// How a solution changes with one input, and its load [N/m].
+/// How a solution changes with one input, and its load \[N/m\].
 #[derive(Debug)]
 pub(super) struct Slope {
     pub unknowns: Vec<f64>,

@@ -53,7 +53,7 @@ pub struct Snapshot(Option<State>);
 struct State {
     point: Point,
     iterations: i32,
-    /// What the inputs did in the last step, and how long that was [s].
+    /// What the inputs did in the last step, and how long that was \[s\].
     drive: Drive,
     duration: f64,
     path: Path,
@@ -176,7 +176,7 @@ impl Simulation {
         self.steady(Drive::constant(inputs), 0.0)
     }
 
-    /// Goes on for a step of this length [s]: in time, or to the steady state of the inputs at its end, as the parameter
+    /// Goes on for a step of this length \[s\]: in time, or to the steady state of the inputs at its end, as the parameter
     /// `time_integration` says. The first state in time is the steady one of the inputs at the start.
     ///
     /// # Errors
@@ -292,7 +292,7 @@ impl Simulation {
         Ok(&self.differentiated()?[input as usize])
     }
 
-    /// Rate of change of the normal force with the penetration depth [N/m]: of the steady state, or in time of the discrete step, as all
+    /// Rate of change of the normal force with the penetration depth \[N/m\]: of the steady state, or in time of the discrete step, as all
     /// its derivatives. Where the load is given, what it has to differ by for a unit of depth.
     ///
     /// # Errors
@@ -320,7 +320,7 @@ impl Simulation {
         }
     }
 
-    /// The fixed stations of the profiles [m], [`STATIONS`] of them, ascending.
+    /// The fixed stations of the profiles \[m\], [`STATIONS`] of them, ascending.
     pub fn position(&self) -> &[f64] {
         &self.position
     }

@@ -10,9 +10,9 @@ use crate::solver::newton;
 /// Most Newton iterations of one step in time on the way to a steady state, and of all of them.
 const RELAXING_ITERATIONS: usize = 12;
 const LONGEST_RELAXATION: usize = 2000;
-/// The first of these steps [s].
+/// The first of these steps \[s\].
 const FIRST_STEP: f64 = 2e-5;
-/// After a step of this length time plays no part [s].
+/// After a step of this length time plays no part \[s\].
 const LONGEST_STEP: f64 = 1e6;
 /// How far the bones approach in one such step of a millisecond or more, as a share of the layers' thickness; in proportion less
 /// in shorter ones.

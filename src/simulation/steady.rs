@@ -30,7 +30,7 @@ const THICKENING: f64 = 100.0;
 /// From what depth on it has, as a share of a layer's thickness.
 const DEEP: f64 = 0.03;
 
-/// Least load for which there is a steady film worth the name [N/m].
+/// Least load for which there is a steady film worth the name \[N/m\].
 const LEAST_LOAD: f64 = 1e-6;
 
 /// The steady state for these inputs, from a state that may be near, or from rest; adds to the count of iterations.
@@ -111,7 +111,7 @@ fn relaxed(
     result.map_err(|reason| Box::new(Stuck { state: state.clone(), fraction: 0.0, reason }))
 }
 
-/// Load per unit depth [N/m].
+/// Load per unit depth \[N/m\].
 pub(super) fn load(bodies: &mut Bodies, point: &Point) -> f64 {
     bodies.system_of(point).load(point.at(None))
 }
@@ -236,7 +236,7 @@ pub(super) fn settle(
     (result.map(|point| Steady { point, kept, before: None }), spent)
 }
 
-/// Depths of contacts grow by the same factor in equal fractions of the way, counted from this much clearance [m].
+/// Depths of contacts grow by the same factor in equal fractions of the way, counted from this much clearance \[m\].
 const CLEARANCE: f64 = 20e-6;
 
 /// What is given at a fraction of the way: viscosities, loads and, where the mesh goes with the contact, depths grow by the same factor

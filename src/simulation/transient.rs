@@ -29,7 +29,7 @@ pub(super) struct Trend {
     /// Rates of change of the unknowns; empty where nothing is known.
     unknowns: Vec<f64>,
     penetration_depth: f64,
-    /// How fast the rate of the film's mass changes [m/s^2].
+    /// How fast the rate of the film's mass changes \[m/s^2\].
     pub film: Vec<[f64; 3]>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Motion {
     /// Rates of change of what is stored, at the end.
     pub rate: Contents,
     pub trend: Trend,
-    /// Length of the next internal step [s].
+    /// Length of the next internal step \[s\].
     suggestion: f64,
     /// Where the last tangent was formed.
     pub kept: Option<Place>,
@@ -70,7 +70,7 @@ impl Motion {
 pub(super) struct LastStep {
     pub start: Point,
     trend: Trend,
-    /// Lengths of its internal steps [s].
+    /// Lengths of its internal steps \[s\].
     pub steps: Vec<f64>,
 }
 

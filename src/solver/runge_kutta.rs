@@ -10,11 +10,11 @@ pub const ERROR_CONSTANT: f64 = 3.0 * GAMMA * GAMMA - 2.0 * GAMMA * GAMMA * GAMM
 /// A stage: d/dt = present * (value in the stage) + before * (value at the start) + first * (d/dt in the first stage).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
-    /// When it is, after the start [s].
+    /// When it is, after the start \[s\].
     pub time: f64,
-    /// Factor of the value in the stage [1/s].
+    /// Factor of the value in the stage \[1/s\].
     pub present: f64,
-    /// Factor of the value at the start [1/s].
+    /// Factor of the value at the start \[1/s\].
     pub before: f64,
     /// Factor of the time derivative in the first stage.
     pub first: f64,

@@ -16,7 +16,7 @@ pub const DISCARD: c_uint = 2;
 pub const ERROR: c_uint = 3;
 pub const FATAL: c_uint = 4;
 
-/// A depth [m] at which the bones of two layers of 1 mm have gone through each other.
+/// A depth \[m\] at which the bones of two layers of 1 mm have gone through each other.
 pub const UNREACHABLE: f64 = 3e-3;
 
 pub type Messages = Mutex<Vec<(c_uint, String, String)>>;

@@ -9,7 +9,7 @@ use crate::importer::*;
 
 /// Communication steps in a cycle of load and speed.
 const CYCLE: u32 = 20;
-/// Length of one of them [s]; a cycle takes longer than the tissue to drain.
+/// Length of one of them \[s\]; a cycle takes longer than the tissue to drain.
 const STEP: f64 = 0.05;
 /// Cycles until the start is forgotten.
 const WARM_UP: u32 = 5;

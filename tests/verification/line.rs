@@ -15,17 +15,17 @@ pub fn film(fluid: Fluid, pressure_order: i32) -> Film {
 /// The film: h = gap + compliance * p at every node.
 pub struct Line {
     pub film: Film,
-    /// x of the nodes [m].
+    /// x of the nodes \[m\].
     pub stations: Vec<f64>,
-    /// Distance of the undeformed surfaces at the nodes [m].
+    /// Distance of the undeformed surfaces at the nodes \[m\].
     pub gap: Vec<f64>,
-    /// Winkler compliance of the bodies together [m/Pa].
+    /// Winkler compliance of the bodies together \[m/Pa\].
     pub compliance: f64,
-    /// Speeds of the upper and the lower surface [m/s].
+    /// Speeds of the upper and the lower surface \[m/s\].
     pub speeds: [f64; 2],
     /// d(rho h)/dt of every element.
     pub rates: Vec<MassRate>,
-    /// Pressure at the nodes [Pa]; the two ends keep theirs.
+    /// Pressure at the nodes \[Pa\]; the two ends keep theirs.
     pub pressure: Vec<f64>,
     cells: Vec<Vec<u32>>,
     linear: Multifrontal,
@@ -84,7 +84,7 @@ impl Line {
         self.set(&unknowns);
     }
 
-    /// Load per unit depth [N/m], by Simpson's rule.
+    /// Load per unit depth \[N/m\], by Simpson's rule.
     pub fn load(&self) -> f64 {
         (0..self.cells.len())
             .map(|e| {

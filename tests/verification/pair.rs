@@ -19,7 +19,7 @@ pub struct Pair {
 
 /// What an element of the interface has at one of its quadrature points.
 pub struct Place {
-    /// Quadrature weight [m].
+    /// Quadrature weight \[m\].
     pub weight: f64,
     /// x, film thickness and its slope, pressure and its slope.
     pub x: f64,

@@ -92,7 +92,7 @@ fn along(x: [f64; 2]) -> Vector2<f64> {
     Vector2::new(RADIUS + x[1], -x[0])
 }
 
-/// Body force [N/m^3] and source of fluid [1/s] that belong to the chosen fields; `velocity` is that of the moving tissue.
+/// Body force \[N/m^3\] and source of fluid \[1/s\] that belong to the chosen fields; `velocity` is that of the moving tissue.
 fn sources(tissue: &Tissue, x: [f64; 2], velocity: [f64; 2]) -> ([f64; 2], f64) {
     let alpha = tissue.biot_coefficient;
     let stress = |x| {

@@ -32,13 +32,13 @@ pub enum Condition {
 pub struct Strip {
     pub mesh: LayerMesh,
     pub tissue: Tissue,
-    /// Speed of the moving tissue [m/s].
+    /// Speed of the moving tissue \[m/s\].
     pub speed: f64,
     /// 1 or -1 where the fluid's pressure loads the surface (consistent formulation), as in [`surface_pressure`]; else 0.
     pub loaded_side: f64,
     /// Values of the fixed fields at the nodes.
     pub prescribed: [Vec<f64>; 3],
-    /// Nodal forces [N/m] and nodal inflows of fluid [m^2/s].
+    /// Nodal forces \[N/m\] and nodal inflows of fluid \[m^2/s\].
     pub sources: [Vec<f64>; 3],
     /// Height below which a rigid body keeps the surface nodes, u_y <= obstacle, without friction; none if empty.
     pub obstacle: Vec<f64>,
@@ -56,7 +56,7 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// `scales`: a typical displacement [m] and a typical pressure [Pa]. `condition(field, station, level)`.
+    /// `scales`: a typical displacement \[m\] and a typical pressure \[Pa\]. `condition(field, station, level)`.
     pub fn new(
         mesh: LayerMesh,
         tissue: Tissue,

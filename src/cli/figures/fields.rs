@@ -19,7 +19,7 @@ pub enum Picture {
     Interface,
 }
 
-/// Half the length of the interface that is shown [mm].
+/// Half the length of the interface that is shown \[mm\].
 const HALF_LENGTH: f64 = 6.0;
 /// Half the height of the enlarged film [micron].
 const FILM_HEIGHT: f64 = 20.0;

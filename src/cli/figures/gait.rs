@@ -15,15 +15,15 @@ const SIZE: (u32, u32) = (1600, 1510);
 
 /// One communication point.
 pub struct State {
-    /// From the start of the first cycle [s].
+    /// From the start of the first cycle \[s\].
     pub time: f64,
-    /// From the start of its own cycle [s].
+    /// From the start of its own cycle \[s\].
     pub phase: f64,
     /// What was given.
     pub inputs: Inputs,
     /// What came of it.
     pub outputs: Outputs,
-    /// Fluid that left the tissue since the start of its cycle, less what the tissue took in, per unit depth [m^2].
+    /// Fluid that left the tissue since the start of its cycle, less what the tissue took in, per unit depth \[m^2\].
     pub exchange: f64,
 }
 

@@ -42,7 +42,7 @@ pub struct Film {
 
 const SIZE: (u32, u32) = (1600, 1000);
 const PROFILE_COLOURS: [plotters::style::RGBColor; 3] = [palette::ORANGE, palette::GREEN, palette::BLUE];
-/// Half the length of the interface that the profiles show [mm].
+/// Half the length of the interface that the profiles show \[mm\].
 const HALF_LENGTH: f64 = 3.0;
 
 /// Writes the figure as SVG, PNG and PDF.

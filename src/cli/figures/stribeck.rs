@@ -21,7 +21,7 @@ const SMALLEST: f64 = 1e-9;
 /// A curve's points: Sommerfeld number and value.
 type Points = Vec<(f64, f64)>;
 
-/// Writes the figure as SVG, PNG and PDF. `radius` is that of the bodies [m], for the length over which undeformed circles overlap.
+/// Writes the figure as SVG, PNG and PDF. `radius` is that of the bodies \[m\], for the length over which undeformed circles overlap.
 ///
 /// # Errors
 /// [`Error::File`] naming the file that could not be written.

@@ -9,11 +9,11 @@ use cartilage_contact::variables;
 /// Load and sliding speed over one cycle. The last point repeats the first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cycle {
-    /// From 0 to the period [s].
+    /// From 0 to the period \[s\].
     pub time: Vec<f64>,
-    /// Load per unit depth [N/m].
+    /// Load per unit depth \[N/m\].
     pub load: Vec<f64>,
-    /// Sum of the two surface speeds [m/s].
+    /// Sum of the two surface speeds \[m/s\].
     pub speed: Vec<f64>,
 }
 
@@ -44,7 +44,7 @@ fn through(extremes: &[(f64, f64)], share: f64) -> (f64, f64) {
 }
 
 impl Cycle {
-    /// The stylised hip: this load [N/m] for every body weight, and the speed of a head of this radius [m].
+    /// The stylised hip: this load \[N/m\] for every body weight, and the speed of a head of this radius \[m\].
     pub fn stylised(load_per_body_weight: f64, radius: f64, steps: usize) -> Self {
         let shares: Vec<f64> = (0..=steps).map(|step| (step % steps) as f64 / steps as f64).collect();
         Self {

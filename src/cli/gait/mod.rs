@@ -37,15 +37,15 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Largest load per unit depth of the stylised cycle [N/m]; 25 by default
+    /// Largest load per unit depth of the stylised cycle \[N/m\]; 25 by default
     #[arg(long, value_name = "LOAD", conflicts_with_all = ["body_weight", "history"])]
     peak_load: Option<f64>,
 
-    /// Body weight [N]: the load is the hip's over the width of the case
+    /// Body weight \[N\]: the load is the hip's over the width of the case
     #[arg(long, value_name = "FORCE", conflicts_with = "history")]
     body_weight: Option<f64>,
 
-    /// Radius that turns flexion into sliding speed [m]; 0.024 by default
+    /// Radius that turns flexion into sliding speed \[m\]; 0.024 by default
     #[arg(long, value_name = "LENGTH", conflicts_with = "history")]
     joint_radius: Option<f64>,
 

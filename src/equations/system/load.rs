@@ -7,7 +7,7 @@ use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, quadratic, qu
 use crate::laws::chain;
 use crate::solver::linear::FIXED;
 
-/// What the fluid and what the solid carries, or a change of both, per unit depth [N/m].
+/// What the fluid and what the solid carries, or a change of both, per unit depth \[N/m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loads {
     /// Of the fluid's pressure.
@@ -28,7 +28,7 @@ impl Loads {
 }
 
 impl System {
-    /// Pressure of solid on solid at every station, with its change [Pa].
+    /// Pressure of solid on solid at every station, with its change \[Pa\].
     pub fn contact_pressure(&self, at: At<'_>, change: &Change) -> Vec<Dual64> {
         let smooth = |i: usize| match at.active[i] {
             true => Dual64::new(at.contact_forces[i], change.contact_forces[i]) / self.weights[i],
@@ -115,16 +115,16 @@ impl System {
 /// What the pressures on the surfaces pass on beside the load, per unit depth; see [`System::resultant`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resultant {
-    /// Force along +x on the upper body of the pressures on sloping surfaces [N/m].
+    /// Force along +x on the upper body of the pressures on sloping surfaces \[N/m\].
     pub on_slopes: Dual64,
-    /// Moment of the pressures on the upper body about the middle of the contact, counter-clockwise [N].
+    /// Moment of the pressures on the upper body about the middle of the contact, counter-clockwise \[N\].
     pub moment: Dual64,
-    /// Integral of what rubs, see [`Loads`], times the height of the mean surface [N].
+    /// Integral of what rubs, see [`Loads`], times the height of the mean surface \[N\].
     pub rubbing_height: Dual64,
 }
 
 impl System {
-    /// Height of the middle of the deformed film at every station [m]; zero between mirror images.
+    /// Height of the middle of the deformed film at every station \[m\]; zero between mirror images.
     pub fn mean_height(&self, at: At<'_>, change: &Change) -> Vec<Dual64> {
         let levels = self.layers[0].mesh.levels();
         let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
@@ -217,7 +217,7 @@ impl System {
 
 impl System {
     /// Power of the pressure on what leaves the ends of the film relative to the moving walls, e p (Q - U h/2) with e of
-    /// [`crate::equations::film_end`] [W/m].
+    /// [`crate::equations::film_end`] \[W/m\].
     pub fn film_end_power(&self, at: At<'_>, change: &Change) -> Dual64 {
         let levels = self.layers[0].mesh.levels();
         let speed = Dual64::new(at.inputs.sliding_speed, change.inputs.sliding_speed);

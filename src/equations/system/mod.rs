@@ -42,9 +42,9 @@ pub struct Layer {
 /// Time derivatives by a difference formula, d/dt = rate * present value + history; steady has none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rates {
-    /// Factor of the present value [1/s].
+    /// Factor of the present value \[1/s\].
     pub rate: f64,
-    /// The rest of dJ/dt [1/s] and of d(r h)/dt [m/s].
+    /// The rest of dJ/dt \[1/s\] and of d(r h)/dt \[m/s\].
     pub history: Contents,
 }
 
@@ -53,7 +53,7 @@ pub struct Rates {
 pub struct Contents {
     /// J in every element of every body.
     pub volume: Vec<Vec<[f64; POINTS]>>,
-    /// Fluid r h of the film in every interface element [m].
+    /// Fluid r h of the film in every interface element \[m\].
     pub film: Vec<[f64; 3]>,
 }
 
@@ -95,14 +95,14 @@ impl Rates {
 pub struct System {
     /// The upper body, and the lower one unless it is the upper one's mirror image or rigid.
     pub layers: Vec<Layer>,
-    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
+    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] \[m\].
     contact_half_width: f64,
     thickening: f64,
-    /// x of the interface nodes [m].
+    /// x of the interface nodes \[m\].
     pub stations: Vec<f64>,
-    /// Simpson weights of the interface nodes [m].
+    /// Simpson weights of the interface nodes \[m\].
     pub weights: Vec<f64>,
-    /// Distance of the undeformed surfaces at first touch [m].
+    /// Distance of the undeformed surfaces at first touch \[m\].
     pub touching_gap: Vec<f64>,
     /// The unknowns.
     pub layout: Layout,
@@ -123,7 +123,7 @@ pub struct System {
 pub struct Residual {
     /// Residual of every equation.
     pub values: Vec<f64>,
-    /// Force with which the bodies press on each other at every station [N/m]; meaningful where the station is active.
+    /// Force with which the bodies press on each other at every station \[N/m\]; meaningful where the station is active.
     pub contact_forces: Vec<f64>,
 }
 
@@ -382,12 +382,12 @@ impl System {
         std::array::from_fn(|a| unknowns[self.layout.gap[first + a] as usize])
     }
 
-    /// Half the width of the interface [m].
+    /// Half the width of the interface \[m\].
     pub fn half_width(&self) -> f64 {
         self.stations[self.stations.len() - 1]
     }
 
-    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] [m].
+    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] \[m\].
     pub fn contact_half_width(&self) -> f64 {
         self.contact_half_width
     }
@@ -535,12 +535,12 @@ impl System {
         }
     }
 
-    /// Weight of gaps against contact pressures, and of void against fluid pressures [Pa/m].
+    /// Weight of gaps against contact pressures, and of void against fluid pressures \[Pa/m\].
     pub fn contact_stiffness(&self) -> f64 {
         self.contact_stiffness
     }
 
-    /// Thickness of the thicker layer [m].
+    /// Thickness of the thicker layer \[m\].
     pub fn thickness(&self) -> f64 {
         self.thickness
     }

@@ -12,11 +12,11 @@ use crate::solver::linear::{FIXED, Multifrontal, Singular};
 /// A change of the inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Direction {
-    /// Of the penetration depth [m].
+    /// Of the penetration depth \[m\].
     pub penetration_depth: f64,
-    /// Of the sliding speed [m/s].
+    /// Of the sliding speed \[m/s\].
     pub sliding_speed: f64,
-    /// Of the slide-to-roll ratio [1].
+    /// Of the slide-to-roll ratio \[1\].
     pub slide_to_roll_ratio: f64,
 }
 
@@ -31,7 +31,7 @@ impl Direction {
         ]
     };
 
-    /// Changes of the two surface speeds [m/s].
+    /// Changes of the two surface speeds \[m/s\].
     pub fn surface_speeds(&self, inputs: &Inputs) -> [f64; 2] {
         let s = inputs.slide_to_roll_ratio;
         let half = 0.5 * inputs.sliding_speed * self.slide_to_roll_ratio;
@@ -46,7 +46,7 @@ pub struct At<'a> {
     pub unknowns: &'a [f64],
     /// Stations in contact.
     pub active: &'a [bool],
-    /// Force of contact at each station [N/m].
+    /// Force of contact at each station \[N/m\].
     pub contact_forces: &'a [f64],
     /// The inputs.
     pub inputs: &'a Inputs,
@@ -61,9 +61,9 @@ pub struct Change {
     pub unknowns: Vec<f64>,
     /// Of the inputs.
     pub inputs: Direction,
-    /// Of the history terms [`Rates::volume`] and [`Rates::film`]; none where there is no change.
+    /// Of the history terms of [`Rates`]; none where there is no change.
     pub history: Option<Contents>,
-    /// Of the contact forces [N/m].
+    /// Of the contact forces \[N/m\].
     pub contact_forces: Vec<f64>,
 }
 
@@ -80,7 +80,7 @@ impl Change {
 }
 
 impl At<'_> {
-    /// Distance of the surfaces at a station [m].
+    /// Distance of the surfaces at a station \[m\].
     pub fn gap(&self, system: &System, station: usize) -> f64 {
         self.unknowns[system.layout.gap[station] as usize]
     }
@@ -298,7 +298,7 @@ impl System {
         Ok(changes.collect())
     }
 
-    /// Change of the contact forces along a change of unknowns and penetration depth [N/m].
+    /// Change of the contact forces along a change of unknowns and penetration depth \[N/m\].
     fn contact_force_change(&self, at: At<'_>, change: &[f64], penetration_depth: f64) -> Vec<f64> {
         let mut values = vec![0.0; self.unknowns()];
         for (body, layer) in self.layers.iter().enumerate() {
@@ -322,7 +322,7 @@ impl System {
         (0..at.active.len()).map(|i| if at.active[i] { force(i) } else { 0.0 }).collect()
     }
 
-    /// Change of the load per unit depth along a change of the unknowns alone [N/m].
+    /// Change of the load per unit depth along a change of the unknowns alone \[N/m\].
     pub fn load_along(&self, at: At<'_>, change: &[f64]) -> f64 {
         let change = Change {
             contact_forces: self.contact_force_change(at, change, 0.0),
@@ -333,7 +333,7 @@ impl System {
         self.loads(at, &change).total().eps
     }
 
-    /// Load per unit depth [N/m].
+    /// Load per unit depth \[N/m\].
     pub fn load(&self, at: At<'_>) -> f64 {
         self.loads(at, &Change::none(self.unknowns(), self.stations.len())).total().re
     }
@@ -392,7 +392,7 @@ impl System {
         }
     }
 
-    /// Fluid that flows from the bodies into the film at each station, V times weight [m^2/s], from the film's balance; and its
+    /// Fluid that flows from the bodies into the film at each station, V times weight \[m^2/s\], from the film's balance; and its
     /// change. Where the film ends with a given pressure there is no balance, and it counts as none.
     pub fn film_outflow(&self, at: At<'_>, change: &Change) -> Vec<[f64; 2]> {
         let mut outflow = vec![[0.0; 2]; self.stations.len()];

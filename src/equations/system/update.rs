@@ -12,7 +12,7 @@ const THIN_FILM: f64 = 1e-4;
 const UNFORESEEN: f64 = 0.02;
 
 impl System {
-    /// Compresses the tissue evenly through its thickness by an approach of the bones [m], with the gap as it is.
+    /// Compresses the tissue evenly through its thickness by an approach of the bones \[m\], with the gap as it is.
     pub fn compress(&self, unknowns: &mut [f64], approach: f64) {
         for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
             for numbers in vertical.chunks_exact(heights.len()) {
@@ -27,7 +27,7 @@ impl System {
     /// as the indentation goes with the square of the half-width. Inside, the film stays about as thick as it was.
     /// Returns by how much indentations grow.
     pub fn carry(&self, unknowns: &mut [f64], from: f64, to: f64) -> f64 {
-        /// Distances above this are gaps of bodies apart, below it films [m].
+        /// Distances above this are gaps of bodies apart, below it films \[m\].
         const FILM: f64 = 1e-5;
         let [before, after] = [from, to].map(|a| Grid::new(&self.parameters, a).touching_gap);
         let ratio = (to / from).powi(2);

@@ -31,11 +31,11 @@ const POLAR: [[f64; 2]; 5] = [
 /// of a small uniaxial extension grows by 4 xi/5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fibres {
-    /// xi [Pa].
+    /// xi \[Pa\].
     modulus: f64,
-    /// b [1].
+    /// b \[1\].
     exponent: f64,
-    /// a [1].
+    /// a \[1\].
     exponential_coefficient: f64,
     /// m.
     directions: [Vector2<f64>; IN_PLANE],
@@ -62,7 +62,7 @@ struct Means {
 }
 
 impl Fibres {
-    /// With modulus xi [Pa], exponent b >= 2 and coefficient a >= 0 of the exponential.
+    /// With modulus xi \[Pa\], exponent b >= 2 and coefficient a >= 0 of the exponential.
     pub fn new(modulus: f64, exponent: f64, exponential_coefficient: f64) -> Self {
         Self {
             modulus,
@@ -123,7 +123,7 @@ impl Fibres {
         means
     }
 
-    /// Strain energy per reference volume [J/m^3].
+    /// Strain energy per reference volume \[J/m^3\].
     pub(super) fn energy(&self, strain: &Strain) -> f64 {
         let Self { modulus, exponent: b, exponential_coefficient: a, .. } = *self;
         self.mean(0.0, strain, |_, _, g| {
@@ -135,12 +135,12 @@ impl Fibres {
         })
     }
 
-    /// First Piola-Kirchhoff stress [Pa].
+    /// First Piola-Kirchhoff stress \[Pa\].
     pub(super) fn stress(&self, strain: &Strain) -> Matrix2<f64> {
         self.mean(Matrix2::zeros(), strain, |m, f, g| f * m.transpose() * (2.0 * self.means(g).in_plane[0]))
     }
 
-    /// Its derivative by F [Pa].
+    /// Its derivative by F \[Pa\].
     pub(super) fn tangent(&self, strain: &Strain) -> Matrix4<f64> {
         self.mean(Matrix4::zeros(), strain, |m, f, g| {
             let [pull, stiffness] = self.means(g).in_plane;
@@ -155,12 +155,12 @@ impl Fibres {
         })
     }
 
-    /// First Piola-Kirchhoff stress out of the plane [Pa].
+    /// First Piola-Kirchhoff stress out of the plane \[Pa\].
     pub(super) fn out_of_plane_stress(&self, strain: &Strain) -> f64 {
         self.mean(0.0, strain, |_, _, g| 2.0 * self.means(g).out_of_plane[0])
     }
 
-    /// Its derivative by F [Pa].
+    /// Its derivative by F \[Pa\].
     pub(super) fn out_of_plane_derivative(&self, strain: &Strain) -> Vector4<f64> {
         self.mean(Vector4::zeros(), strain, |m, f, g| {
             flatten(&(f * m.transpose())) * (4.0 * self.means(g).out_of_plane[1])

@@ -19,11 +19,11 @@ use super::isotropic::{FirstDerivatives, OutOfPlane, SecondDerivatives};
 /// For b = 0 that is a neo-Hookean solid with another volumetric term.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HolmesMow {
-    /// Shear modulus G at small strain [Pa].
+    /// Shear modulus G at small strain \[Pa\].
     pub shear_modulus: f64,
-    /// Bulk modulus K at small strain [Pa]; 2 G/3 or more, or the solid is not stable in great expansion.
+    /// Bulk modulus K at small strain \[Pa\]; 2 G/3 or more, or the solid is not stable in great expansion.
     pub bulk_modulus: f64,
-    /// b [1].
+    /// b \[1\].
     pub stiffening_coefficient: f64,
 }
 

@@ -16,29 +16,29 @@ use crate::laws::kinematics::{COFACTOR_DERIVATIVE, Strain, flatten};
 
 /// First derivatives of the energy.
 pub(super) struct FirstDerivatives {
-    /// 2 W_I [Pa].
+    /// 2 W_I \[Pa\].
     pub isochoric: f64,
-    /// 2 W_I + W_J [Pa].
+    /// 2 W_I + W_J \[Pa\].
     pub volumetric: f64,
 }
 
 /// Second derivatives of the energy.
 pub(super) struct SecondDerivatives {
-    /// W_II [Pa].
+    /// W_II \[Pa\].
     pub by_invariant: f64,
-    /// W_IJ [Pa].
+    /// W_IJ \[Pa\].
     pub mixed: f64,
-    /// W_JJ [Pa].
+    /// W_JJ \[Pa\].
     pub by_volume: f64,
 }
 
 /// First Piola-Kirchhoff stress P_zz = dW/dF_zz at F_zz = 1, and its derivatives.
 pub(super) struct OutOfPlane {
-    /// P_zz [Pa].
+    /// P_zz \[Pa\].
     pub stress: f64,
-    /// By I1 [Pa].
+    /// By I1 \[Pa\].
     pub by_invariant: f64,
-    /// By J [Pa].
+    /// By J \[Pa\].
     pub by_volume: f64,
 }
 

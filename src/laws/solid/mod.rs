@@ -96,12 +96,12 @@ impl Solid {
         self
     }
 
-    /// Strain energy W per reference volume [J/m^3].
+    /// Strain energy W per reference volume \[J/m^3\].
     pub fn energy(&self, strain: &Strain) -> f64 {
         self.matrix.energy(strain) + self.fibres.as_ref().map_or(0.0, |fibres| fibres.energy(strain))
     }
 
-    /// First Piola-Kirchhoff stress P = dW/dF [Pa].
+    /// First Piola-Kirchhoff stress P = dW/dF \[Pa\].
     #[inline(always)]
     pub fn stress(&self, strain: &Strain) -> Matrix2<f64> {
         let stress = isotropic::stress(&self.matrix.first(strain), strain);
@@ -111,7 +111,7 @@ impl Solid {
         }
     }
 
-    /// Tangent dP/dF [Pa], rows and columns in the order of [`flatten`].
+    /// Tangent dP/dF \[Pa\], rows and columns in the order of [`flatten`].
     pub fn tangent(&self, strain: &Strain) -> Matrix4<f64> {
         let tangent = isotropic::tangent(&self.matrix.first(strain), &self.matrix.second(strain), strain);
         match &self.fibres {
@@ -120,17 +120,17 @@ impl Solid {
         }
     }
 
-    /// Modulus of uniaxial compression at small strain, K + 4G/3 [Pa]: no fibre pulls.
+    /// Modulus of uniaxial compression at small strain, K + 4G/3 \[Pa\]: no fibre pulls.
     pub fn aggregate_modulus(&self) -> f64 {
         self.tangent(&Strain::new(Matrix2::zeros()))[(3, 3)]
     }
 
-    /// Shear modulus G at small strain, where no fibre pulls [Pa].
+    /// Shear modulus G at small strain, where no fibre pulls \[Pa\].
     pub fn shear_modulus(&self) -> f64 {
         self.tangent(&Strain::new(Matrix2::zeros()))[(1, 1)]
     }
 
-    /// Von Mises stress of the true (Cauchy) effective stress J^-1 P F^T with the out-of-plane stress of plane strain [Pa].
+    /// Von Mises stress of the true (Cauchy) effective stress J^-1 P F^T with the out-of-plane stress of plane strain \[Pa\].
     pub fn von_mises(&self, strain: &Strain) -> f64 {
         let [xx, yy, zz, xy] = self.cauchy(strain);
         (0.5 * ((xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2)) + 3.0 * xy * xy).sqrt()
@@ -152,20 +152,20 @@ impl Solid {
         (0.5 * sum + 3.0 * xy * d.m12) / size
     }
 
-    /// True effective stress: xx, yy, zz, xy [Pa].
+    /// True effective stress: xx, yy, zz, xy \[Pa\].
     fn cauchy(&self, strain: &Strain) -> [f64; 4] {
         let j = strain.volume_ratio();
         let s = self.stress(strain) * strain.deformation_gradient().transpose() / j;
         [s.m11, s.m22, self.out_of_plane_stress(strain) / j, s.m12]
     }
 
-    /// First Piola-Kirchhoff stress P_zz [Pa].
+    /// First Piola-Kirchhoff stress P_zz \[Pa\].
     pub fn out_of_plane_stress(&self, strain: &Strain) -> f64 {
         self.matrix.out_of_plane(strain).stress
             + self.fibres.as_ref().map_or(0.0, |fibres| fibres.out_of_plane_stress(strain))
     }
 
-    /// Its derivative by F [Pa], in the order of [`flatten`].
+    /// Its derivative by F \[Pa\], in the order of [`flatten`].
     pub fn out_of_plane_derivative(&self, strain: &Strain) -> Vector4<f64> {
         let derivative = self.matrix.out_of_plane(strain).by_strain(strain);
         match &self.fibres {

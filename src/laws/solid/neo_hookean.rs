@@ -6,9 +6,9 @@ use super::isotropic::{FirstDerivatives, OutOfPlane, SecondDerivatives};
 /// already multiplied in).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NeoHookean {
-    /// Weighted shear modulus G [Pa].
+    /// Weighted shear modulus G \[Pa\].
     pub shear_modulus: f64,
-    /// Weighted bulk modulus K [Pa].
+    /// Weighted bulk modulus K \[Pa\].
     pub bulk_modulus: f64,
 }
 

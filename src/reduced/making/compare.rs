@@ -43,7 +43,7 @@ impl Builder<'_> {
 pub(super) struct Comparison {
     full: Outputs,
     table: Outputs,
-    /// dL/dd of both [N/m^2].
+    /// dL/dd of both \[N/m^2\].
     stiffness: [f64; 2],
     inputs: Inputs,
     near_touch: bool,
