@@ -250,7 +250,7 @@ fn pressed_at_rest() -> Result<Row, Error> {
         ),
         verdict: verdict(
             rises && most + result.1 > 0.96,
-            "rough surfaces carry the rest, and they need the same pressure in contacts of any width, which is less in proportion where the \
+            "a likely reason: rough surfaces carry the rest, and they need the same pressure in contacts of any width, which is less in proportion where the \
              pressure of the fluid is higher; what the share does where the contact is no wider than the layer is thick is not explained",
         ),
         picture: Picture {
@@ -389,7 +389,7 @@ fn peclet() -> Result<Row, Error> {
             format::number(states[states.len() - 1].1, 3)
         ),
         verdict: format!(
-            "miss: at small Pe the pressure is odd in x, above zero where tissue is squeezed on its way in and as much below where it swells on its \
+            "miss. A likely reason, not tested by itself: at small Pe the pressure is odd in x, above zero where tissue is squeezed on its way in and as much below where it swells on its \
              way out, so that what it carries is of second order. Theirs counts the half that pushes, which {} in proportion to Pe here as well.",
             if (pushing.0 - 1.0).abs() < 0.2 { "is" } else { "is not" }
         ),
