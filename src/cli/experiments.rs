@@ -254,7 +254,7 @@ fn pressed_at_rest() -> Result<Row, Error> {
              pressure of the fluid is higher; what the share does where the contact is no wider than the layer is thick is not explained",
         ),
         picture: Picture {
-            title: "Fluid load support after a fast press, over contact half-width by thickness",
+            title: "Fluid load support after a fast press",
             axes: [("a/t", Scale::Linear), ("fluid load support", Scale::Linear)],
             curves: vec![
                 Curve {
@@ -394,7 +394,7 @@ fn peclet() -> Result<Row, Error> {
             if (pushing.0 - 1.0).abs() < 0.2 { "is" } else { "is not" }
         ),
         picture: Picture {
-            title: "Fluid load support of rolling layers over the Peclet number",
+            title: "Fluid load support of rolling layers",
             axes: [("Pe", Scale::Logarithmic), ("share of the load", Scale::Logarithmic)],
             curves: vec![
                 Curve {
@@ -488,7 +488,7 @@ fn bovine_head_on_glass() -> Result<Row, Error> {
              not give",
         ),
         picture: Picture {
-            title: "Compression of the layer over the mean contact pressure",
+            title: "Compression of the layer",
             axes: [("mean pressure [MPa]", Scale::Linear), ("compression [%]", Scale::Linear)],
             curves,
         },
