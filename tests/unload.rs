@@ -31,8 +31,9 @@ fn taken() -> usize {
     mapped + used
 }
 
+/// Where the build for the tests puts it.
 fn library() -> PathBuf {
-    Path::new(env!("CARGO_BIN_EXE_cartilage-contact")).with_file_name("libcartilage_contact.so")
+    Path::new(env!("CARGO_BIN_EXE_cartilage-contact")).with_file_name("deps").join("libcartilage_contact.so")
 }
 
 fn is_loaded() -> bool {
