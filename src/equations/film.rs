@@ -457,6 +457,7 @@ mod tests {
             voids in prop::array::uniform3(0.0..0.5f64), direction in prop::array::uniform9(-1.0..1.0f64), order in 1..3_i32,
             tears: bool, rough: bool, thinning: bool, speed in -1.0..1.0f64, ratio in -1.5..1.5f64,
         ) {
+            prop_assume!(speed.abs() > 1e-3);
             // The column's Peclet number is around 1.
             let rough = rough.then_some((ROUGH, 0.3e6));
             let fluid = if thinning { THINNING } else { Fluid::Newtonian(1e-3) };
@@ -474,6 +475,7 @@ mod tests {
             let (plus, minus) = (residual(1e-5, speeds), residual(-1e-5, speeds));
             let linear: [f64; 3] = std::array::from_fn(|a| (0..9).map(|b| terms.tangent[a][b] * change[b]).sum());
             let size = linear.iter().fold(1e-12, |m: f64, v| m.max(v.abs()));
+            let largest = terms.by_speeds.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
             for a in 0..3 {
                 prop_assert!(((plus[a] - minus[a]) / 2e-5 - linear[a]).abs() < 1e-6 * size);
                 for k in 0..2 {
@@ -482,7 +484,7 @@ mod tests {
                     let faster = |e: f64| std::array::from_fn(|i| speeds[i] + if i == k { e } else { 0.0 });
                     let by_speed = (residual(0.0, faster(step))[a] - residual(0.0, faster(-step))[a]) / (2.0 * step);
                     let slope = terms.by_speeds[k][a];
-                    prop_assert!((by_speed - slope).abs() < 1e-6 * slope.abs() + 1e-15 / speed.abs(), "{} {}", by_speed, slope);
+                    prop_assert!((by_speed - slope).abs() < 1e-5 * largest + 1e-15 / speed.abs(), "{} {}", by_speed, slope);
                 }
             }
             // What flows is not lost, and what is stored is the mass.
