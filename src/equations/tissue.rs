@@ -12,7 +12,7 @@
 //!
 //! With pressures of order 1 the convective term of the consistent formulation is weighted by 1 - w s along each column, s = -1 at its
 //! upstream end and 1 at the other. Without, the balances of undrained tissue are means over the columns, to which a pressure that
-//! alternates from column to column is nothing: such a ripple is not bound by any equation and grows with the strain. w is 1 where an
+//! alternates from column to column is nothing: little else binds such a ripple. w is 1 where an
 //! element is too large for fluid to cross it while it passes, and goes to 0 where the mesh resolves drainage (`Tissue::weighting`).
 //!
 //! `Tissue::integrand` is what stands under the integrals, `Tissue::integrand_derivatives` its derivatives.
