@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::equations::grid::{self, Grid};
-use crate::equations::system::{At, Direction, Rates, Residual, System, boundary_friction};
+use crate::equations::grid;
+use crate::equations::system::{At, Cause, Change, Direction, Rates, Residual, System, boundary_friction};
 use crate::error::Error;
 use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
@@ -81,16 +81,21 @@ impl Tangent {
     }
 
     /// The change with one of depth, speed and slide-to-roll ratio.
-    fn slope(&mut self, system: &System, input: usize) -> Result<&Slope, Singular> {
+    fn slope(&mut self, system: &mut System, input: usize) -> Result<&Slope, Singular> {
         let Some(Place { point, rates }) = &self.place else { return Err(Singular) };
         match &mut self.slopes[input] {
             Some(slope) => Ok(slope),
             slot => {
-                let cause = vec![(Direction::UNIT[input], None)];
+                let cause = Cause { direction: Direction::UNIT[input], ..Cause::default() };
                 let at = point.at(rates.as_ref());
-                let change = system.respond(at, cause)?.pop().ok_or(Singular)?;
-                let load = system.loads(at, &change).total().eps;
-                Ok(slot.insert(Slope { unknowns: change.unknowns, load }))
+                let present = (system.contact_half_width(), system.thickening());
+                system.fit(point.contact_half_width, point.thickening);
+                let slope = system.respond(at, vec![cause]).map(|mut changes| {
+                    let load = |change: &Change| system.loads(at, change).total().eps;
+                    changes.pop().map(|change| Slope { load: load(&change), unknowns: change.unknowns })
+                });
+                system.fit(present.0, present.1);
+                Ok(slot.insert(slope?.ok_or(Singular)?))
             }
         }
     }
@@ -258,16 +263,6 @@ impl Bodies {
         let mirrored = self.place().ok_or(Singular)?.point.mirrored;
         let (system, tangent) = self.system_and_tangent(mirrored);
         tangent.slope(system, input)
-    }
-
-    /// The same fields on the mesh of another contact.
-    pub fn remeshed(&mut self, point: &Point, contact_half_width: f64) -> Point {
-        let grid = Grid::new(&self.parameters, contact_half_width);
-        let system = self.system_of(point);
-        let unknowns = system.interpolated(&point.unknowns, &grid);
-        let active = system.interpolated_contact(&point.active, contact_half_width);
-        let contact_forces = vec![0.0; active.len()];
-        Point { contact_half_width, unknowns, active, contact_forces, ..point.clone() }
     }
 
     /// The same solution in the unknowns of one body or of two.
