@@ -77,12 +77,20 @@ impl Path {
     }
 }
 
-/// The nearest of the widths between which the mesh moves in time, so that it does not change with the inputs' last digits and the
-/// derivatives of a step are those on a given mesh. 0 stays 0.
-fn stepped(contact_half_width: f64) -> f64 {
-    /// As a logarithm; the edges of the contact are some hundredths wide.
-    const STEP: f64 = 1e-3;
-    if contact_half_width > 0.0 { ((contact_half_width.ln() / STEP).round() * STEP).exp() } else { 0.0 }
+/// What contact the mesh is made for at the end of a step in time, from that of the inputs: as the last two steps make one expect, so that
+/// its motion is smooth and a step has its derivatives on a given mesh; where the inputs do something else, the nearest of a ladder of
+/// widths. 0 stays 0.
+fn contact_for(wanted: f64, expected: Option<f64>) -> f64 {
+    /// How far what is expected may be off, as a logarithm: the edges of the contact are some hundredths wide.
+    const NEAR: f64 = 5e-3;
+    /// Between the rungs, likewise.
+    const RUNG: f64 = 1e-3;
+    let off = |expected: &f64| (wanted / expected).ln().abs();
+    match expected.filter(|expected| off(expected) < NEAR) {
+        Some(expected) => expected,
+        None if wanted > 0.0 => ((wanted.ln() / RUNG).round() * RUNG).exp(),
+        None => 0.0,
+    }
 }
 
 /// Two cartilage layers with a film between them.
@@ -207,7 +215,11 @@ impl Simulation {
             Path::Transient(motion) => Some(&**motion),
         };
         // The mesh goes along with the contact.
-        let contact = stepped(self.bodies.contact_half_width(&drive.at(duration), self.bodies.parameters.control));
+        let control = self.bodies.parameters.control;
+        let [before, last, wanted] = [state.drive.at(0.0), state.drive.at(state.duration), drive.at(duration)]
+            .map(|inputs| self.bodies.contact_half_width(&inputs, control));
+        let expected = motion.map(|_| last * (last / before).powf(duration / state.duration));
+        let contact = contact_for(wanted, expected);
         let (point, motion, iterations) =
             transient::advance(&mut self.bodies, &state.point, motion, contact, &drive, duration)?;
         self.accept(State {

@@ -23,15 +23,38 @@ const HALVINGS: i32 = 24;
 /// Most internal steps of a communication step, tried and taken: a host tool must not wait for ever.
 const MOST_TRIALS: usize = 20_000;
 
-/// How the unknowns of the mesh's nodes move beyond what [`crate::equations::system::System::carry`] foresees, from the last two stages:
-/// where to start looking for the next.
+/// How unknowns and depth move beyond what the mesh carries along, where to start looking for the next stage. From the changes within the last
+/// two steps alone: from step to step the unknowns may jump with the rates of the inputs.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Trend {
-    /// Rates of change of the unknowns; empty where nothing is known.
-    unknowns: Vec<f64>,
-    penetration_depth: f64,
-    /// How fast the rate of the film's mass changes \[m/s^2\].
+    /// Rates of change between the two stages of the last step, unknowns and then the depth; empty where nothing is known.
+    rates: Vec<f64>,
+    /// How fast these change; empty likewise.
+    changes: Vec<f64>,
+    /// Half the time between those stages \[s\].
+    half: f64,
+    /// How fast the rate of the film's mass changes \[m^2/s^2\].
     pub film: Vec<[f64; 3]>,
+}
+
+impl Trend {
+    /// What changes in an interval that begins so much after the last step, negative as an update of Newton's method.
+    fn update(&self, after: f64, interval: f64) -> Vec<f64> {
+        let mut update: Vec<f64> = self.rates.iter().map(|rate| -interval * rate).collect();
+        let factor = interval * (self.half + after + 0.5 * interval);
+        update.iter_mut().zip(&self.changes).for_each(|(update, change)| *update -= factor * change);
+        update
+    }
+
+    /// After a step whose second stage came from what the mesh had carried to it, so much after the first.
+    fn followed(&self, carried: &Point, solved: &Point, interval: f64, step: f64) -> Self {
+        let of = |point: &Point| [&point.unknowns[..], &[point.inputs.penetration_depth]].concat();
+        let rates: Vec<f64> =
+            of(carried).iter().zip(of(solved)).map(|(before, now)| (now - before) / interval).collect();
+        let between = self.half + step - 0.5 * interval;
+        let changes = rates.iter().zip(&self.rates).map(|(now, before)| (now - before) / between).collect();
+        Self { rates, changes, half: 0.5 * interval, film: Vec::new() }
+    }
 }
 
 /// What a transient state has beside its solution.
@@ -56,7 +79,8 @@ impl Motion {
 
     /// Whether it is of equations with so many unknowns.
     pub fn fits(&self, unknowns: usize, columns: usize) -> bool {
-        let trend = |trend: &Trend| trend.unknowns.is_empty() || trend.unknowns.len() == unknowns;
+        let fits = |values: &Vec<f64>| values.is_empty() || values.len() == unknowns + 1;
+        let trend = |trend: &Trend| fits(&trend.rates) && fits(&trend.changes);
         let rates = self.kept.as_ref().and_then(|place| place.rates.as_ref());
         let contents = |contents: &Contents| contents.film.len() == columns;
         trend(&self.trend)
@@ -93,6 +117,8 @@ pub(super) struct Stage {
     /// Rates of change of what is stored.
     pub rate: Contents,
     contents: Contents,
+    /// Its unknowns as the mesh carried them along from the state before.
+    carried: Point,
 }
 
 /// The rest of a stage's difference formula. Linear in what was stored before and in the rates of the first stage: changes
@@ -151,13 +177,14 @@ impl<'a> Walker<'a> {
         let inputs = &drive.at(time);
         let later = formula.time - first.map_or(0.0, |first| first.formula.time);
         let before = first.map_or(&self.point, |first| &first.point);
-        let mut guess = carried(bodies, before, self.course.contact_half_width(time / self.duration));
+        let carried = carried(bodies, before, self.course.contact_half_width(time / self.duration));
+        let mut guess = carried.clone();
         let system = bodies.system_of(&guess);
-        if !self.trend.unknowns.is_empty() {
-            let update: Vec<f64> = self.trend.unknowns.iter().map(|rate| -later * rate).collect();
+        let mut update = self.trend.update(formula.time - later, later);
+        let followed = guess.inputs.penetration_depth - update.pop().unwrap_or_default();
+        if !update.is_empty() {
             system.apply(&mut guess.unknowns, &update, &guess.active);
         }
-        let followed = guess.inputs.penetration_depth + later * self.trend.penetration_depth;
         match parameters.control {
             Control::Depth => system.compress(&mut guess.unknowns, inputs.penetration_depth - followed),
             Control::Load => guess.inputs.penetration_depth = followed,
@@ -181,18 +208,18 @@ impl<'a> Walker<'a> {
         }
         let contents = bodies.system_of(&point).contents(&point.unknowns, &point.inputs);
         let rate = rates.of(&contents);
-        Ok(Stage { formula, point, rates, rate, contents })
+        Ok(Stage { formula, point, rates, rate, contents, carried })
     }
 
-    fn accept(&mut self, bodies: &mut Bodies, [first, second]: [Stage; 2], step: f64) -> Contents {
+    fn accept(&mut self, bodies: &Bodies, [first, second]: [Stage; 2], step: f64) -> Contents {
         let between = (1.0 - GAMMA) * step;
-        let slope = |(before, after): (&f64, &f64)| (after - before) / between;
-        let foreseen = carried(bodies, &first.point, second.point.contact_half_width);
-        self.trend = Trend {
-            unknowns: foreseen.unknowns.iter().zip(&second.point.unknowns).map(slope).collect(),
-            penetration_depth: slope((&foreseen.inputs.penetration_depth, &second.point.inputs.penetration_depth)),
-            film: second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film,
-        };
+        let film = second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film;
+        let mut trend = self.trend.followed(&second.carried, &second.point, between, step);
+        if bodies.parameters.cavitation {
+            // A film that tears and heals moves with kinks.
+            trend.changes.clear();
+        }
+        self.trend = Trend { film, ..trend };
         self.point = second.point;
         self.contents = second.contents;
         second.rate
@@ -254,9 +281,7 @@ pub(super) fn advance(
 
 /// From a mirrored pair to two bodies.
 fn separate(bodies: &mut Bodies, start: &mut LastStep, rate: &mut Option<Contents>) {
-    if !start.trend.unknowns.is_empty() {
-        start.trend.unknowns = bodies.converted_values(&start.trend.unknowns, false);
-    }
+    start.trend = Trend { film: std::mem::take(&mut start.trend.film), ..Trend::default() };
     start.start = bodies.converted(start.start.clone(), false);
     if let Some(rate) = rate {
         rate.volume.extend_from_within(..);

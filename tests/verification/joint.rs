@@ -18,7 +18,7 @@ use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{
     Body, Control, Inputs, Mesh, MeshDistribution, Parameters, Preset, TimeIntegration,
 };
-use cartilage_contact::simulation::{Drive, Simulation};
+use cartilage_contact::simulation::{Drive, Input, Simulation};
 
 use crate::line::{Line, film};
 use crate::pair::Pair;
@@ -440,5 +440,39 @@ fn a_mesh_that_moves_carries_nothing_along() {
     for (moves, stays) in moves.iter().zip(&stays) {
         assert!((moves.load - stays.load).abs() < 1e-2 * stays.load + 0.1);
         assert_relative_eq!(moves.minimum_film_thickness, stays.minimum_film_thickness, max_relative = 3e-2);
+    }
+}
+
+/// While the mesh goes along with a growing load. Against differences of the step, by a ten-thousandth of the load.
+#[test]
+fn a_step_has_its_derivatives_while_the_mesh_moves() {
+    const STEP: f64 = 1e-3;
+    let parameters = Parameters {
+        control: Control::Load,
+        time_integration: TimeIntegration::Transient,
+        tolerance: 1e-9,
+        ..rough(0.3e-6)
+    };
+    let mut simulation = Simulation::new(&parameters).unwrap();
+    let rates = Inputs { applied_load: 1e4, ..Inputs::NONE };
+    let at = |step: i32| Inputs { applied_load: 500.0 + 10.0 * f64::from(step), ..inputs(0.0, U, 0.0) };
+    for step in 0..4 {
+        simulation.advance(Drive { inputs: at(step), rates }, STEP).unwrap();
+    }
+    let before = simulation.snapshot();
+    let mut with = |change: f64| {
+        simulation.restore(&before).unwrap();
+        let inputs = Inputs { applied_load: at(4).applied_load + change, ..at(4) };
+        simulation.advance(Drive { inputs, rates }, STEP).unwrap();
+        simulation.outputs().clone()
+    };
+    let [more, less] = [0.05, -0.05].map(&mut with);
+    with(0.0);
+    let slope = simulation.derivatives(Input::AppliedLoad).unwrap();
+    println!("{:e} {:e}", slope.penetration_depth, slope.central_film_thickness);
+    type Get = fn(&Outputs) -> f64;
+    let results: [Get; 3] = [|o| o.penetration_depth, |o| o.central_film_thickness, |o| o.upper_friction_force];
+    for result in results {
+        assert_relative_eq!(result(slope), (result(&more) - result(&less)) / 0.1, max_relative = 1e-5);
     }
 }
