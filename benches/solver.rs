@@ -33,14 +33,14 @@ fn element(criterion: &mut Criterion) {
         bencher.iter(|| {
             let mut residual = [0.0; LOCAL];
             let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
-            layer.tissue.element(&layer.mesh, 100, black_box(&at), 0.1, &rate, terms).map(|()| residual)
+            layer.tissue.element(&layer.mesh, 100, black_box(&at), [0.1; 2], &rate, terms).map(|()| residual)
         });
     });
     criterion.bench_function("element tangent", |bencher| {
         bencher.iter(|| {
             let mut tangent = [0.0; LOCAL * LOCAL];
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
-            layer.tissue.element(&layer.mesh, 100, black_box(&at), 0.1, &rate, terms).map(|()| tangent)
+            layer.tissue.element(&layer.mesh, 100, black_box(&at), [0.1; 2], &rate, terms).map(|()| tangent)
         });
     });
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use crate::equations::system::{Layer, Rates, Residual, System, surface_speeds};
-use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue, VolumeRate};
+use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue};
 use crate::fem::element::{
     NODES, POINTS, SIMPSON, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
 };
@@ -264,13 +264,10 @@ impl Solution<'_> {
         for column in 0..layer.mesh.columns {
             let element = column * layer.mesh.rows;
             let mut residual = [0.0; LOCAL];
-            let rate = self.rates.map_or_else(VolumeRate::default, |r| VolumeRate {
-                rate: r.rate,
-                history: r.history.volume[body][element],
-            });
+            let rate = system.volume_rate(self.rates, body, element);
             let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
-            let speed = surface_speeds(self.inputs)[body];
-            layer.tissue.element(&layer.mesh, element, &self.local(body, element), speed, &rate, terms)?;
+            let speeds = system.relative_speeds(body, column, self.inputs, self.rates);
+            layer.tissue.element(&layer.mesh, element, &self.local(body, element), speeds, &rate, terms)?;
             let length = system.stations[2 * column + 2] - system.stations[2 * column];
             let shares = if order == 2 { SIMPSON } else { [0.5, 0.0, 0.5] };
             for a in 0..3 {

@@ -7,6 +7,8 @@
 //!
 //! with the viscosity eta that the flow driven by pressure feels, see [`crate::laws::fluid`].
 //!
+//! On a mesh that moves with speed W along x the rate is that of r h dx seen from the mesh, and W r h leaves Q: both walls are slower by W.
+//!
 //! Where h = 0 nothing is left of it, and the fluid crosses from body to body: the paper's periodic condition.
 //!
 //! A film that may tear (cavitation) holds r (h - c), where c of the gap is void, and of what the walls carry the share c/h is
@@ -54,13 +56,23 @@ pub struct Film {
     pub rough: Option<(Roughness, f64)>,
 }
 
-/// How fast the film's mass changes: d(r h)/dt = rate * r h + history; steady is zero.
+/// How fast the film's mass changes: d(r h l)/dt = rate * r h l + history with the element's length l; steady is zero.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MassRate {
-    /// Factor of r h \[1/s\].
+    /// Factor of what is stored \[1/s\].
     pub rate: f64,
-    /// The rest of the difference formula, at each point of storage \[m/s\].
+    /// The rest of the difference formula, at each point of storage \[m^2/s\].
     pub history: [f64; 3],
+    /// Speeds of the element's ends along x, with a mesh that moves \[m/s\].
+    pub mesh_speeds: [f64; 2],
+}
+
+impl MassRate {
+    /// Speeds of the surfaces relative to the mesh, at a fraction of the element's length from its middle -1..=1.
+    fn relative(&self, speeds: [f64; 2], place: f64) -> [f64; 2] {
+        let [left, right] = self.mesh_speeds;
+        speeds.map(|speed| speed - 0.5 * (left * (1.0 - place) + right * (1.0 + place)))
+    }
 }
 
 /// Residual of the three pressure equations with its derivatives.
@@ -82,9 +94,10 @@ struct Store {
     share: f64,
 }
 
-/// Where fluid flows: shape functions of gap and pressure, the node from which void is carried, and derivatives of the pressure's
-/// shape functions, which are the test functions too, by the place in the element as a share of its length.
+/// Where fluid flows: the place in the element -1..=1, shape functions of gap and pressure, the node from which void is carried, and
+/// derivatives of the pressure's shape functions, which are the test functions too, by the place as a share of the element's length.
 struct Flow {
+    place: f64,
     gap: [f64; 3],
     pressure: [f64; 3],
     slope: [f64; 3],
@@ -164,7 +177,7 @@ impl Film {
                 if !tears {
                     let slope = pressure_derivative(pressure_order, s).map(|d| 2.0 * d);
                     let pressure = pressure(pressure_order, s);
-                    return Flow { gap: quadratic(s), pressure, slope, upstream: None, share: 0.5 * w };
+                    return Flow { place: s, gap: quadratic(s), pressure, slope, upstream: None, share: 0.5 * w };
                 }
                 let [from, to] = *pair;
                 let length = 0.5 * (to - from) as f64;
@@ -173,7 +186,7 @@ impl Film {
                 (slope[from], slope[to]) = (-1.0 / length, 1.0 / length);
                 let upstream = Some(if sliding_speed < 0.0 { to } else { from });
                 let place = from as f64 - 1.0 + length * (1.0 + s);
-                Flow { gap: quadratic(place), pressure, slope, upstream, share: 0.5 * w * length }
+                Flow { place, gap: quadratic(place), pressure, slope, upstream, share: 0.5 * w * length }
             })
         })
     }
@@ -189,7 +202,7 @@ impl Film {
     }
 
     /// Thickness of the fluid for a distance of the surfaces, and its derivative.
-    fn thickness(&self, gap: f64) -> (f64, f64) {
+    pub fn thickness(&self, gap: f64) -> (f64, f64) {
         self.rough.map_or((gap, 1.0), |(rough, _)| rough.thickness(gap))
     }
 
@@ -251,12 +264,12 @@ impl Film {
         })
     }
 
-    /// Residual of the three pressure equations for d(r h)/dt alone, given where fluid is stored \[m/s\].
-    pub fn storage(&self, length: f64, rate: &[f64; 3]) -> [f64; 3] {
+    /// Residual of the three pressure equations for d(r h l)/dt alone, given where fluid is stored \[m^2/s\].
+    pub fn storage(&self, rate: &[f64; 3]) -> [f64; 3] {
         let mut residual = [0.0; 3];
         for (store, rate) in self.stores().into_iter().zip(rate) {
             for (r, value) in residual.iter_mut().zip(store.pressure) {
-                *r += length * store.share * rate * value;
+                *r += store.share * rate * value;
             }
         }
         residual
@@ -265,7 +278,6 @@ impl Film {
     /// The terms of an element of this length \[m\], between an upper and a lower surface of these speeds \[m/s\].
     pub fn element(&self, length: f64, at: &Local, speeds: [f64; 2], mass_rate: &MassRate) -> Terms {
         let mut terms = Terms::default();
-        let sliding_speed = speeds[0] + speeds[1];
         let chi = self.fluid_compressibility;
         for (store, history) in self.stores().into_iter().zip(mass_rate.history) {
             if mass_rate.rate == 0.0 && history == 0.0 {
@@ -276,7 +288,7 @@ impl Film {
             let factor = length * store.share * mass_rate.rate * (chi * sum(&store.pressure, &at[3..])).exp();
             for a in 0..3 {
                 let value = store.pressure[a];
-                terms.residual[a] += (factor * fluid + length * store.share * history) * value;
+                terms.residual[a] += (factor * fluid + store.share * history) * value;
                 for b in 0..3 {
                     terms.tangent[a][b] += factor * slope * store.gap[b] * value;
                     terms.tangent[a][3 + b] += factor * fluid * chi * store.pressure[b] * value;
@@ -284,11 +296,14 @@ impl Film {
                 }
             }
         }
-        if let Some((rough, shear_modulus)) = &self.rough {
-            self.add_rough_flow(rough, *shear_modulus, length, at, speeds, &mut terms);
+        if let Some(rough) = &self.rough {
+            self.add_rough_flow(rough, length, at, speeds, mass_rate, &mut terms);
             return terms;
         }
-        for flow in self.flows(sliding_speed) {
+        for flow in self.flows(mass_rate.relative(speeds, 0.0).iter().sum()) {
+            // Seen from the mesh: what it passes by counts as flow.
+            let speeds = mass_rate.relative(speeds, flow.place);
+            let sliding_speed = speeds[0] + speeds[1];
             let gap = sum(&flow.gap, at);
             let slope = flow.slope.map(|d| d / length);
             let density = (chi * sum(&flow.pressure, &at[3..])).exp();
@@ -325,14 +340,14 @@ impl Film {
     /// Flow between rough surfaces.
     fn add_rough_flow(
         &self,
-        rough: &Roughness,
-        shear_modulus: f64,
+        (rough, shear_modulus): &(Roughness, f64),
         length: f64,
         at: &Local,
         speeds: [f64; 2],
+        mass_rate: &MassRate,
         terms: &mut Terms,
     ) {
-        let (sliding_speed, speed_difference) = (speeds[0] + speeds[1], speeds[0] - speeds[1]);
+        let speed_difference = speeds[0] - speeds[1];
         // Between the nodes the logarithm of the thickness is quadratic: at the edge of a contact it grows tenfold within a column, and a
         // parabola through such values would close the film.
         let nodes: [(f64, f64); 3] = std::array::from_fn(|b| rough.thickness(at[b]));
@@ -340,6 +355,7 @@ impl Film {
         for &[from, to] in self.pairs() {
             let share = 0.5 * (to - from) as f64;
             let distance = share * length;
+            let sliding_speed: f64 = mass_rate.relative(speeds, from as f64 - 1.0 + share).iter().sum();
             let drop = at[3 + to] - at[3 + from];
             // Means over the pair of c, of c h and of the viscosity, with their derivatives by the three gaps, the drop of pressure and
             // the difference of speeds.
@@ -468,7 +484,7 @@ mod tests {
             let at = scaled(std::array::from_fn(|i| [gaps, pressures, voids][i / 3][i % 3]));
             let change = scaled(direction);
             let moved = |s: f64| -> Local { std::array::from_fn(|i| at[i] + s * change[i]) };
-            let rate = MassRate { rate: 5.0, history: [1e-6, -2e-6, 3e-6] };
+            let rate = MassRate { rate: 5.0, history: [1e-9, -2e-9, 3e-9], mesh_speeds: [0.03, 0.01] };
             let speeds = [0.5 * speed * (1.0 + ratio), 0.5 * speed * (1.0 - ratio)];
             let residual = |s: f64, u: [f64; 2]| film.element(length, &moved(s), u, &rate).residual;
             let terms = film.element(length, &at, speeds, &rate);
@@ -490,7 +506,7 @@ mod tests {
             // What flows is not lost, and what is stored is the mass.
             let none = MassRate::default();
             prop_assert!(film.element(length, &at, speeds, &none).residual.iter().sum::<f64>().abs() < 1e-20);
-            let (mass, stored) = (film.mass(&at), film.storage(1e-4, &[1.0; 3]));
+            let (mass, stored) = (film.mass(&at), film.storage(&[1e-4; 3]));
             prop_assert!((stored.iter().sum::<f64>() - 1e-4).abs() < 1e-16);
             let slope = film.mass_change(&at, &change);
             let (plus, minus) = (film.mass(&moved(1e-5)), film.mass(&moved(-1e-5)));

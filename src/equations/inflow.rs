@@ -14,10 +14,15 @@ use crate::fem::mesh::LayerMesh;
 use crate::laws::kinematics::Strain;
 use nalgebra::Matrix2;
 
-/// Adds the terms of those edges of an element that lie on an end of the layer, at a surface speed \[m/s\].
-pub fn ends(tissue: &Tissue, mesh: &LayerMesh, element: usize, at: &Local, speed: f64, terms: ElementTerms<'_>) {
+/// Adds the terms of those edges of an element that lie on an end of the layer, at these surface speeds relative to the mesh at the
+/// left and the right edge \[m/s\].
+pub fn ends(tissue: &Tissue, mesh: &LayerMesh, element: usize, at: &Local, speeds: [f64; 2], terms: ElementTerms<'_>) {
     let ElementTerms { mut residual, mut by_speed, mut tangent } = terms;
-    for point in mesh.end_points(element).filter(|point| point.outflow * speed > 0.0) {
+    for point in mesh.end_points(element) {
+        let speed = speeds[usize::from(point.outflow > 0.0)];
+        if point.outflow * speed <= 0.0 {
+            continue;
+        }
         let [gx, gy] = &point.gradients;
         let sum = |shape: &[f64; NODES], first: usize| -> f64 { (0..NODES).map(|a| shape[a] * at[first + a]).sum() };
         let strain = Strain::new(Matrix2::new(sum(gx, 0), sum(gy, 0), sum(gx, NODES), sum(gy, NODES)));

@@ -10,6 +10,9 @@
 //! U_i v_rot is the rigid rotation of the body with surface speed U_i; the convective term v . grad J is integrated by parts, so
 //! that no second derivatives of the displacement appear (its density-gradient part, of order chi p = 1e-5, is dropped).
 //!
+//! On a mesh that moves along the layer with surface speed W the term with dJ/dt is the rate of alpha r (J - 1) dA seen from the mesh, and
+//! U_i - W takes the place of U_i: what the mesh passes by is carried through it (arbitrary Lagrangian-Eulerian, conservative form).
+//!
 //! With pressures of order 1 the convective term of the consistent formulation is weighted by 1 - w s along each column, s = -1 at its
 //! upstream end and 1 at the other. Without, the balances of undrained tissue are means over the columns, to which a pressure that
 //! alternates from column to column is nothing: little else binds such a ripple. w is 1 where an
@@ -52,12 +55,13 @@ pub struct Tissue {
     pub profile: Option<DepthProfile>,
 }
 
-/// How fast an element's volume changes: dJ/dt = rate * J + history, by the time integration; steady is rate = history = 0.
+/// How fast what an element took up changes: d((J - 1) dA)/dt = rate * (J - 1) dA + history with the area dA of a quadrature point, by the
+/// time integration; steady is rate = history = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VolumeRate {
-    /// Factor of J \[1/s\].
+    /// Factor of what is stored \[1/s\].
     pub rate: f64,
-    /// The rest of the difference formula, at each quadrature point \[1/s\].
+    /// The rest of the difference formula, at each quadrature point \[m^2/s\].
     pub history: [f64; POINTS],
 }
 
@@ -85,11 +89,11 @@ struct State {
     pressure_gradient: Vector2<f64>,
     /// Rigid rotation of the body per surface speed, v_rot \[1\].
     rotation: Vector2<f64>,
-    /// Surface speed U_i \[m/s\].
+    /// Surface speed U_i, relative to the mesh \[m/s\].
     speed: f64,
     /// Weight of the convective term, and of its derivative by the speed.
     upstream_weights: [f64; 2],
-    /// dJ/dt \[1/s\].
+    /// d((J - 1) dA)/dt / dA, which is dJ/dt where the mesh stays \[1/s\].
     volume_rate: f64,
     /// Its derivative by J \[1/s\].
     volume_rate_by_volume: f64,
@@ -198,7 +202,8 @@ impl Tissue {
         }
     }
 
-    /// Adds the terms of one element at local values `at`, moving with `speed` \[m/s\].
+    /// Adds the terms of one element at local values `at`, moving with these surface speeds relative to the left and the right edge of the
+    /// mesh's element, linear in between \[m/s\].
     ///
     /// # Errors
     /// [`Inverted`] where J <= 0 at a quadrature point of what is asked for.
@@ -207,12 +212,12 @@ impl Tissue {
         mesh: &LayerMesh,
         element: usize,
         at: &Local,
-        speed: f64,
+        speeds: [f64; 2],
         volume_rate: &VolumeRate,
         terms: ElementTerms<'_>,
     ) -> Result<(), Inverted> {
-        let upstream = self.weighting(mesh, element, speed);
-        let element = Element { tissue: self, mesh, element, at, speed, volume_rate, upstream };
+        let upstream = self.weighting(mesh, element, 0.5 * (speeds[0] + speeds[1]));
+        let element = Element { tissue: self, mesh, element, at, speeds, volume_rate, upstream };
         if let Some(residual) = terms.residual {
             pulp::Arch::new().dispatch(AddIntegral::<false> { element: &element, residual })?;
         }
@@ -227,7 +232,7 @@ impl Tissue {
 
     /// Weight w of the upstream end of an element, positive where the tissue moves along x: P^2 / (1 + P^2), with P the time in which fluid
     /// crosses the element's height over that in which the tissue passes its length.
-    /// And the derivative of w times the speed by the speed.
+    /// And its derivative by the speed.
     fn weighting(&self, mesh: &LayerMesh, element: usize, speed: f64) -> [f64; 2] {
         if !self.consistent || mesh.pressure_order == 2 {
             return [0.0; 2];
@@ -239,16 +244,17 @@ impl Tissue {
         let ratio = velocity * height.powi(2) / (consolidation * length);
         let square = ratio * ratio;
         let weight = square / (1.0 + square);
-        [weight, weight + 2.0 * square / (1.0 + square).powi(2)].map(|value| velocity.signum() * value)
+        let slope = if speed == 0.0 { 0.0 } else { 2.0 * square / (1.0 + square).powi(2) / speed };
+        [weight, slope].map(|value| velocity.signum() * value)
     }
 
-    /// Residual of an element for dJ/dt alone, given at its quadrature points \[1/s\].
-    pub fn storage(&self, mesh: &LayerMesh, element: usize, at: &Local, rate: &[f64; POINTS]) -> Local {
+    /// Residual of an element for d((J - 1) dA)/dt alone, given at its quadrature points \[m^2/s\].
+    pub fn storage(&self, mesh: &LayerMesh, at: &Local, rate: &[f64; POINTS]) -> Local {
         let mut residual = [0.0; LOCAL];
-        for (q, (point, rate)) in mesh.points(element).iter().zip(rate).enumerate() {
+        for (q, rate) in rate.iter().enumerate() {
             let shape = &mesh.pressure_shape[q];
             let density = (self.fluid_compressibility * dot(shape, &at[2 * NODES..])).exp();
-            let factor = point.weight * density * self.biot_coefficient * rate;
+            let factor = density * self.biot_coefficient * rate;
             for (r, shape) in residual[2 * NODES..].iter_mut().zip(shape) {
                 *r += factor * shape;
             }
@@ -270,7 +276,7 @@ struct Element<'a> {
     mesh: &'a LayerMesh,
     element: usize,
     at: &'a Local,
-    speed: f64,
+    speeds: [f64; 2],
     volume_rate: &'a VolumeRate,
     /// See [`Tissue::weighting`].
     upstream: [f64; 2],
@@ -293,14 +299,18 @@ impl Element<'_> {
         if strain.volume_ratio() <= 0.0 || !strain.volume_change.is_finite() {
             return Err(Inverted);
         }
+        let (here, [left, right]) = (&self.mesh.points(self.element)[q], self.speeds);
+        let place = GAUSS[q % 3];
+        let speed = 0.5 * (left * (1.0 - place) + right * (1.0 + place));
+        let [weight, slope] = self.upstream;
         Ok(State {
             strain,
             pressure: point.pressure,
             pressure_gradient: point.pressure_gradient,
-            rotation: Vector2::from(self.mesh.points(self.element)[q].velocity),
-            speed: self.speed,
-            upstream_weights: self.upstream.map(|upstream| 1.0 - upstream * GAUSS[q % 3]),
-            volume_rate: self.volume_rate.rate * strain.volume_ratio() + self.volume_rate.history[q],
+            rotation: Vector2::from(here.velocity),
+            speed,
+            upstream_weights: [1.0 - weight * place, 1.0 - (weight + slope * speed) * place],
+            volume_rate: self.volume_rate.rate * strain.volume_change + self.volume_rate.history[q] / here.weight,
             volume_rate_by_volume: self.volume_rate.rate,
         })
     }
@@ -398,10 +408,10 @@ mod tests {
 
     fn all_terms(tissue: &Tissue, mesh: &LayerMesh, side: f64, at: &Local, speed: f64) -> (Local, Local, Vec<f64>) {
         let (mut residual, mut by_speed, mut tangent) = ([0.0; LOCAL], [0.0; LOCAL], [0.0; LOCAL * LOCAL]);
-        let rate = VolumeRate { rate: 3.0, history: std::array::from_fn(|q| q as f64 - 3.0) };
+        let rate = VolumeRate { rate: 3.0, history: std::array::from_fn(|q| 1e-8 * (q as f64 - 3.0)) };
         let terms =
             ElementTerms { residual: Some(&mut residual), by_speed: Some(&mut by_speed), tangent: Some(&mut tangent) };
-        tissue.element(mesh, 2, at, speed, &rate, terms).unwrap();
+        tissue.element(mesh, 2, at, [speed - 0.02, speed + 0.03], &rate, terms).unwrap();
         if tissue.consistent {
             let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: Some(&mut tangent) };
             surface_pressure(mesh, 2, side, at, terms);
@@ -491,7 +501,7 @@ mod tests {
             ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None },
             ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) },
         ] {
-            assert_eq!(tissue.element(&mesh, 0, &at, 0.0, &VolumeRate::default(), terms), Err(Inverted));
+            assert_eq!(tissue.element(&mesh, 0, &at, [0.0; 2], &VolumeRate::default(), terms), Err(Inverted));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The equations of one body and its mirror image or of two, and solutions of them.
 
-use crate::equations::grid::{self, Grid};
+use crate::equations::grid;
 pub(super) use crate::equations::system::{Place, Point, Task};
 use crate::equations::system::{System, boundary_friction};
 use crate::error::Error;
@@ -121,16 +121,6 @@ impl Bodies {
     /// Where the last tangent of these equations was formed.
     pub fn place(&self, mirrored: bool) -> Option<&Place> {
         self.made(mirrored)?.place()
-    }
-
-    /// The same fields on the mesh of another contact.
-    pub fn remeshed(&mut self, point: &Point, contact_half_width: f64) -> Point {
-        let grid = Grid::new(&self.parameters, contact_half_width);
-        let system = self.system_of(point);
-        let unknowns = system.interpolated(&point.unknowns, &grid);
-        let active = system.interpolated_contact(&point.active, contact_half_width);
-        let contact_forces = vec![0.0; active.len()];
-        Point { contact_half_width, unknowns, active, contact_forces, ..point.clone() }
     }
 
     /// The same solution in the unknowns of one body or of two.

@@ -3,15 +3,15 @@
 use super::bodies::{Bodies, Place, Point};
 use super::transient::{self, Motion};
 use super::{Input, Path, State};
-use crate::equations::system::{Change, Contents, Direction, Rates};
+use crate::equations::layout::Quantity;
+use crate::equations::system::{self, Change, Contents, Direction, Rates, Residual};
 use crate::outputs::{Outputs, Solved};
 use crate::parameters::Control;
 
-/// What is asked of a solution: a change of inputs and history, and of the load where that is given.
+/// What is asked of a solution, and a change of the load where that is given.
 struct Cause {
-    direction: Direction,
+    change: system::Cause,
     load: f64,
-    history: Option<Contents>,
 }
 
 /// Changes of a solution with their causes. The tangent is factorised first.
@@ -26,11 +26,14 @@ fn changes(
     let loaded = bodies.parameters.control == Control::Load;
     let system = bodies.system_of(point);
     let loads: Vec<f64> = causes.iter().map(|cause| cause.load).collect();
-    let given = |cause: Cause| {
-        let depth = if loaded { 0.0 } else { cause.direction.penetration_depth };
-        (Direction { penetration_depth: depth, ..cause.direction }, cause.history)
+    let given = |mut cause: Cause| {
+        if loaded {
+            cause.change.direction.penetration_depth = 0.0;
+        }
+        cause.change
     };
-    let causes = causes.into_iter().map(given).chain([(Direction::UNIT[0], None)]).collect();
+    let deeper = system::Cause { direction: Direction::UNIT[0], ..system::Cause::default() };
+    let causes = causes.into_iter().map(given).chain([deeper]).collect();
     let mut changes = system.respond(point.at(rates), causes).map_err(|singular| singular.to_string())?;
     let by_depth = changes.pop().ok_or("there is nothing to differentiate")?;
     if loaded {
@@ -62,7 +65,7 @@ fn results(bodies: &mut Bodies, point: &Point, rates: Option<&Rates>, changes: &
 pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Vec<Outputs>, String> {
     let cause = |input: &Input, time: f64, history: Option<Contents>| {
         let (direction, load) = state.drive.change(*input, time);
-        Cause { direction, load, history }
+        Cause { change: system::Cause { direction, history, ..system::Cause::default() }, load }
     };
     match &state.path {
         Path::Steady(..) => {
@@ -74,7 +77,7 @@ pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Vec<Output
             // Changes of what is stored before the internal step, and of its rates in the first stage.
             let (mut stored, mut first): (Vec<Contents>, Vec<Contents>) = (Vec::new(), Vec::new());
             let (mut outputs, mut left) = (Vec::new(), 2 * motion.last.steps.len());
-            transient::replay(bodies, &motion.last, &state.drive, |bodies, stage, time| {
+            transient::replay(bodies, &motion.last, &state.drive, state.duration, |bodies, stage, time| {
                 let nothing = stage.rate.scaled(0.0);
                 let causes = Input::ALL.iter().enumerate().map(|(k, input)| {
                     let before = stored.get(k).unwrap_or(&nothing);
@@ -125,18 +128,35 @@ pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, Str
     let load = state.drive.rates.applied_load;
     let point = &state.point;
     let (changes, rates) = match &state.path {
-        Path::Steady(..) => (changes(bodies, point, None, vec![Cause { direction, load, history: None }])?, None),
+        Path::Steady(..) => {
+            let change = system::Cause { direction, ..system::Cause::default() };
+            (changes(bodies, point, None, vec![Cause { change, load }])?, None)
+        }
         Path::Transient(motion) => {
             // The rates of what is stored are known, and all other equations hold at all times: the unknowns move as in a step
-            // of backward Euler that is too short for flow to matter.
+            // of backward Euler that is too short for flow to matter, on a mesh that stays.
             let step = 1e-3 * shortest(motion);
             let Point { unknowns, inputs, .. } = point;
-            let contents = bodies.system_of(point).contents(unknowns, inputs);
-            let rates = Rates { rate: 1.0 / step, history: motion.rate.combined(1.0, -1.0 / step, &contents) };
-            let history = Some(motion.rate.scaled(-1.0 / step));
-            let mut changes = changes(bodies, point, Some(&rates), vec![Cause { direction, load, history }])?;
+            let system = bodies.system_of(point);
+            let contents = system.contents(unknowns, inputs);
+            let mut history = motion.rate.combined(1.0, -1.0 / step, &contents);
+            history.stations = contents.stations.iter().map(|x| -x / step).collect();
+            let rates = Rates { rate: 1.0 / step, history };
+            let [stored, flows] = [Some(motion.rates()), None].map(|rates| {
+                let mut residual = Residual::default();
+                let formed =
+                    system.residual_at(unknowns, &mut point.active.clone(), inputs, rates.as_ref(), &mut residual);
+                formed.map(|_| residual.values).map_err(|inverted| inverted.to_string())
+            });
+            let (stored, flows) = (stored?, flows?);
+            let rate =
+                stored.iter().zip(&flows).zip(&system.layout.quantities).map(|((all, flow), quantity)| {
+                    if *quantity == Quantity::Pressure { (flow - all) / step } else { 0.0 }
+                });
+            let change = system::Cause { direction, history: None, residual: rate.collect() };
+            let mut changes = changes(bodies, point, Some(&rates), vec![Cause { change, load }])?;
             // What leaves the tissue into the film also changes with the rate of the film's mass.
-            let film = Contents { volume: Vec::new(), film: motion.trend.film.clone() };
+            let film = Contents { volume: Vec::new(), film: motion.trend.film.clone(), stations: Vec::new() };
             changes.iter_mut().for_each(|change| change.history = Some(film.clone()));
             (changes, Some(motion.rates()))
         }

@@ -11,7 +11,7 @@ use super::drive::Drive;
 use super::steady::PATIENCE;
 use crate::equations::system::{Contents, Rates};
 use crate::error::Error;
-use crate::parameters::{Control, Inputs};
+use crate::parameters::Control;
 use crate::solver::deadline::Deadline;
 use crate::solver::newton;
 use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
@@ -23,7 +23,8 @@ const HALVINGS: i32 = 24;
 /// Most internal steps of a communication step, tried and taken: a host tool must not wait for ever.
 const MOST_TRIALS: usize = 20_000;
 
-/// How the unknowns move, from the last two stages: where to start looking for the next.
+/// How the unknowns of the mesh's nodes move beyond what [`crate::equations::system::System::carry`] foresees, from the last two stages:
+/// where to start looking for the next.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Trend {
     /// Rates of change of the unknowns; empty where nothing is known.
@@ -69,9 +70,19 @@ impl Motion {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LastStep {
     pub start: Point,
+    /// What contact the mesh is made for at its end \[m\].
+    contact_half_width: f64,
     trend: Trend,
     /// Lengths of its internal steps \[s\].
     pub steps: Vec<f64>,
+}
+
+impl LastStep {
+    /// What contact the mesh is made for after a share of the step \[m\].
+    fn contact_half_width(&self, share: f64) -> f64 {
+        let [from, to] = [self.start.contact_half_width, self.contact_half_width];
+        if from == to { from } else { from * (to / from).powf(share) }
+    }
 }
 
 /// A stage: its solution, and the difference formula that it satisfies.
@@ -91,7 +102,9 @@ pub(super) fn history(stage: &runge_kutta::Stage, before: &Contents, first: Opti
 }
 
 /// Where a march is.
-struct Walker {
+struct Walker<'a> {
+    course: &'a LastStep,
+    duration: f64,
     point: Point,
     contents: Contents,
     trend: Trend,
@@ -100,11 +113,11 @@ struct Walker {
     iterations: usize,
 }
 
-impl Walker {
-    fn new(bodies: &mut Bodies, start: &LastStep, kept: Option<Place>) -> Self {
-        let point = start.start.clone();
+impl<'a> Walker<'a> {
+    fn new(bodies: &mut Bodies, course: &'a LastStep, duration: f64, kept: Option<Place>) -> Self {
+        let point = course.start.clone();
         let contents = bodies.system_of(&point).contents(&point.unknowns, &point.inputs);
-        Self { point, contents, trend: start.trend.clone(), kept, iterations: 0 }
+        Self { course, duration, point, contents, trend: course.trend.clone(), kept, iterations: 0 }
     }
 
     /// Both stages of an internal step; `visit` is told of each with the time from the start of the march.
@@ -118,10 +131,10 @@ impl Walker {
     ) -> Result<[Stage; 2], String> {
         let [formula, last] = runge_kutta::stages(step);
         let end = time + formula.time;
-        let first = self.stage(bodies, None, &drive.at(end), formula)?;
+        let first = self.stage(bodies, None, drive, end, formula)?;
         visit(bodies, &first, end)?;
         let end = time + last.time;
-        let second = self.stage(bodies, Some(&first), &drive.at(end), last)?;
+        let second = self.stage(bodies, Some(&first), drive, end, last)?;
         visit(bodies, &second, end)?;
         Ok([first, second])
     }
@@ -130,12 +143,15 @@ impl Walker {
         &mut self,
         bodies: &mut Bodies,
         first: Option<&Stage>,
-        inputs: &Inputs,
+        drive: &Drive,
+        time: f64,
         formula: runge_kutta::Stage,
     ) -> Result<Stage, String> {
         let parameters = bodies.parameters;
+        let inputs = &drive.at(time);
         let later = formula.time - first.map_or(0.0, |first| first.formula.time);
-        let mut guess = first.map_or(&self.point, |first| &first.point).clone();
+        let before = first.map_or(&self.point, |first| &first.point);
+        let mut guess = carried(bodies, before, self.course.contact_half_width(time / self.duration));
         let system = bodies.system_of(&guess);
         if !self.trend.unknowns.is_empty() {
             let update: Vec<f64> = self.trend.unknowns.iter().map(|rate| -later * rate).collect();
@@ -169,12 +185,13 @@ impl Walker {
         Ok(Stage { formula, point, rates, rate, contents })
     }
 
-    fn accept(&mut self, [first, second]: [Stage; 2], step: f64) -> Contents {
+    fn accept(&mut self, bodies: &mut Bodies, [first, second]: [Stage; 2], step: f64) -> Contents {
         let between = (1.0 - GAMMA) * step;
         let slope = |(before, after): (&f64, &f64)| (after - before) / between;
+        let foreseen = carried(bodies, &first.point, second.point.contact_half_width);
         self.trend = Trend {
-            unknowns: first.point.unknowns.iter().zip(&second.point.unknowns).map(slope).collect(),
-            penetration_depth: slope((&first.point.inputs.penetration_depth, &second.point.inputs.penetration_depth)),
+            unknowns: foreseen.unknowns.iter().zip(&second.point.unknowns).map(slope).collect(),
+            penetration_depth: slope((&foreseen.inputs.penetration_depth, &second.point.inputs.penetration_depth)),
             film: second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film,
         };
         self.point = second.point;
@@ -183,16 +200,29 @@ impl Walker {
     }
 }
 
-/// Goes on for a communication step. Returns the state at its end and the Newton iterations spent.
+/// A guess of the state a little later, on the mesh of the contact then.
+fn carried(bodies: &mut Bodies, point: &Point, contact_half_width: f64) -> Point {
+    let mut guess = Point { contact_half_width, ..point.clone() };
+    if contact_half_width != point.contact_half_width {
+        let system = bodies.system(point.mirrored);
+        let ratio = system.carry(&mut guess.unknowns, point.contact_half_width, contact_half_width);
+        guess.inputs.penetration_depth *= ratio;
+    }
+    guess
+}
+
+/// Goes on for a communication step, at the end of which the mesh is made for a contact of this half-width. Returns the state at its end and the Newton iterations spent.
 pub(super) fn advance(
     bodies: &mut Bodies,
     from: &Point,
     motion: Option<&Motion>,
+    contact_half_width: f64,
     drive: &Drive,
     duration: f64,
 ) -> Result<(Point, Motion, usize), Error> {
     let mut start = LastStep {
         start: from.clone(),
+        contact_half_width,
         trend: motion.map(|motion| motion.trend.clone()).unwrap_or_default(),
         steps: Vec::new(),
     };
@@ -259,7 +289,7 @@ fn march(
 ) -> (Result<(Point, Motion), Stop>, usize) {
     let longest = bodies.parameters.maximum_internal_step;
     let shortest = f64::from(-HALVINGS).exp2();
-    let mut walker = Walker::new(bodies, start, kept);
+    let mut walker = Walker::new(bodies, start, duration, kept);
     let (mut done, mut wanted, mut steps) = (0.0, suggestion, Vec::new());
     let mut trials = 0;
     while done < 1.0 {
@@ -284,7 +314,7 @@ fn march(
                     wanted = step * (0.9 * factor).clamp(0.1, 0.4);
                     continue;
                 }
-                rate = Some(walker.accept(stages, step));
+                rate = Some(walker.accept(bodies, stages, step));
                 steps.push(step);
                 done += share;
                 wanted = step * (0.9 * factor).min(4.0);
@@ -338,15 +368,16 @@ pub(super) fn replay(
     bodies: &mut Bodies,
     last: &LastStep,
     drive: &Drive,
+    duration: f64,
     mut visit: impl FnMut(&mut Bodies, &Stage, f64) -> Result<(), String>,
 ) -> Result<(), String> {
     // Long after the step, perhaps.
     bodies.deadline = Deadline::after(bodies.parameters.maximum_solve_time);
-    let mut walker = Walker::new(bodies, last, None);
+    let mut walker = Walker::new(bodies, last, duration, None);
     let mut time = 0.0;
     for step in &last.steps {
         let stages = walker.stages(bodies, drive, time, *step, &mut visit)?;
-        walker.accept(stages, *step);
+        walker.accept(bodies, stages, *step);
         time += step;
     }
     Ok(())

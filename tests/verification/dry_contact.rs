@@ -111,7 +111,7 @@ fn an_incompressible_layer() {
             _ => Condition::Free,
         });
         // So fast that no fluid moves: k M/t^2 = 1e-5 of the rate.
-        strip.rates.fill(VolumeRate { rate: 1e5, history: [-1e5; POINTS] });
+        strip.rates.fill(VolumeRate { rate: 1e5, history: [0.0; POINTS] });
         strip.obstacle = lengths.iter().map(|x| x * x / (2.0 * radius) - delta * a * a / radius).collect();
         strip.solve();
         let force = |i: usize| -strip.reactions[Y][strip.node(i, 0)];

@@ -91,7 +91,7 @@ fn block([xi, b, a]: Law, stretch: [Option<f64>; 2], undrained: bool) -> ([f64; 
     });
     if undrained {
         // Sealed all around: J - 1 = 0 at any rate.
-        strip.rates.fill(VolumeRate { rate: 1.0, history: [-1.0; POINTS] });
+        strip.rates.fill(VolumeRate { rate: 1.0, history: [0.0; POINTS] });
     }
     // Large strains are gone to in steps.
     for step in 1..=10 {

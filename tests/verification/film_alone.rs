@@ -82,7 +82,8 @@ fn squeezed_parabola_carries_its_load() {
     let (h0, rate) = (10e-6, -1e-4);
     let exact = |x: f64| -6.0 * ETA * R * rate / (h0 + x * x / (2.0 * R)).powi(2);
     let mut line = with_ends(parabola(h0, 30.0, 600, 2, 0.0), exact);
-    line.rates.fill(MassRate { rate: 0.0, history: [rate; 3] });
+    let lengths = line.stations.windows(3).step_by(2).map(|ends| ends[2] - ends[0]);
+    line.rates = lengths.map(|length| MassRate { history: [rate * length; 3], ..MassRate::default() }).collect();
     line.solve();
     for (x, p) in line.stations.iter().zip(&line.pressure) {
         assert!((p - exact(*x)).abs() < 1e-4 * exact(0.0));
@@ -111,11 +112,13 @@ fn squeezed_parabola_sinks_under_a_constant_load() {
                 });
                 for (e, rate) in line.rates.iter_mut().enumerate() {
                     let x = |s: f64| 0.5 * ((1.0 - s) * line.stations[2 * e] + (1.0 + s) * line.stations[2 * e + 2]);
+                    let length = line.stations[2 * e + 2] - line.stations[2 * e];
                     let history = |s: f64| {
                         let shape = x(s).powi(2) / (2.0 * R);
-                        (-2.0 * (past[1] + shape) + 0.5 * (past[0] + shape)) / dt
+                        length * (-2.0 * (past[1] + shape) + 0.5 * (past[0] + shape)) / dt
                     };
-                    *rate = MassRate { rate: 1.5 / dt, history: cartilage_contact::fem::element::GAUSS.map(history) };
+                    let history = cartilage_contact::fem::element::GAUSS.map(history);
+                    *rate = MassRate { rate: 1.5 / dt, history, ..MassRate::default() };
                 }
                 line.solve();
                 // Beyond the mesh: int 2 p dx = -12 eta R drop int h^-2 dx, with h ~ x^2/2R.

@@ -146,10 +146,10 @@ impl Pair {
             let at = self.system.local(body, element, &self.point.unknowns, self.point.inputs.penetration_depth);
             let mut local = [0.0; LOCAL];
             let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
-            layer.tissue.element(&layer.mesh, element, &at, speed, &VolumeRate::default(), terms).unwrap();
+            layer.tissue.element(&layer.mesh, element, &at, [speed; 2], &VolumeRate::default(), terms).unwrap();
             if layer.tissue.consistent {
                 let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
-                inflow::ends(&layer.tissue, &layer.mesh, element, &at, speed, terms);
+                inflow::ends(&layer.tissue, &layer.mesh, element, &at, [speed; 2], terms);
             }
             for (a, n) in layer.mesh.element_nodes(element).into_iter().enumerate() {
                 (0..3).for_each(|f| reactions[f][n] += local[f * NODES + a]);

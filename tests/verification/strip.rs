@@ -170,15 +170,16 @@ impl Strip {
         iterations
     }
 
-    /// J at the quadrature points of every element.
-    pub fn volume_ratios(&self) -> Vec<[f64; POINTS]> {
-        let ratio = |e, q| Tissue::strain(&self.mesh, e, q, &self.solution(e)).volume_ratio();
-        (0..self.mesh.elements()).map(|e| from_fn(|q| ratio(e, q))).collect()
+    /// Change of volume (J - 1) dA at the quadrature points of every element.
+    fn volume_changes(&self) -> Vec<[f64; POINTS]> {
+        let change =
+            |e, q| Tissue::strain(&self.mesh, e, q, &self.solution(e)).volume_change * self.mesh.points(e)[q].weight;
+        (0..self.mesh.elements()).map(|e| from_fn(|q| change(e, q))).collect()
     }
 
     /// One time step of the crate's Runge-Kutta method; `drive(strip, time)` sets what is prescribed at a time.
     pub fn step(&mut self, time: f64, dt: f64, drive: impl Fn(&mut Self, f64)) {
-        let before = self.volume_ratios();
+        let before = self.volume_changes();
         let mut first: Vec<[f64; POINTS]> = vec![[0.0; POINTS]; before.len()];
         for stage in runge_kutta::stages(dt) {
             drive(self, time + stage.time);
@@ -187,7 +188,7 @@ impl Strip {
                 *rates = VolumeRate { rate: stage.present, history };
             }
             self.solve();
-            for ((first, now), rates) in first.iter_mut().zip(self.volume_ratios()).zip(&self.rates) {
+            for ((first, now), rates) in first.iter_mut().zip(self.volume_changes()).zip(&self.rates) {
                 *first = from_fn(|q| rates.rate * now[q] + rates.history[q]);
             }
         }
@@ -201,7 +202,7 @@ impl Strip {
             surface_pressure(&self.mesh, element, self.loaded_side, at, surface);
         }
         let rate = &self.rates[element];
-        self.tissue.element(&self.mesh, element, at, self.speed, rate, terms).map_err(|e| e.to_string())
+        self.tissue.element(&self.mesh, element, at, [self.speed; 2], rate, terms).map_err(|e| e.to_string())
     }
 }
 

@@ -220,7 +220,7 @@ impl System {
         let speed = Dual64::new(at.inputs.sliding_speed, change.inputs.sliding_speed);
         let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
         let speeds = change.inputs.surface_speeds(at.inputs);
-        self.film_outflows(at.unknowns, at.inputs)
+        self.film_outflows(at.unknowns, at.inputs, None)
             .map(|(station, outflow)| {
                 let (gap, pressure) =
                     (value(self.layout.gap[station]), value(self.layout.pressure[0][station * levels]));

@@ -9,7 +9,7 @@ mod update;
 
 pub use load::Loads;
 pub use problem::{Place, Point, Slope, Task};
-pub use tangent::{At, Change, Direction};
+pub use tangent::{At, Cause, Change, Direction};
 
 use serde::{Deserialize, Serialize};
 
@@ -42,22 +42,24 @@ pub struct Layer {
     pub side: f64,
 }
 
-/// Time derivatives by a difference formula, d/dt = rate * present value + history; steady has none.
+/// Time derivatives by a difference formula, d/dt = rate * present value + history, seen from a mesh that may move; steady has none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rates {
     /// Factor of the present value \[1/s\].
     pub rate: f64,
-    /// The rest of dJ/dt \[1/s\] and of d(r h)/dt \[m/s\].
+    /// The rest of the derivatives of the contents.
     pub history: Contents,
 }
 
 /// What time derivatives are taken of, at the quadrature points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Contents {
-    /// J in every element of every body.
+    /// Change of volume (J - 1) dA in every element of every body \[m^2\].
     pub volume: Vec<Vec<[f64; POINTS]>>,
-    /// Fluid r h of the film in every interface element \[m\].
+    /// Fluid r h of the film times the length of its element \[m^2\].
     pub film: Vec<[f64; 3]>,
+    /// Places of the stations, whose rates are the speed of the mesh \[m\].
+    pub stations: Vec<f64>,
 }
 
 impl Contents {
@@ -72,6 +74,7 @@ impl Contents {
                 .map(|(x, y)| x.iter().zip(y).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect())
                 .collect(),
             film: self.film.iter().zip(&other.film).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect(),
+            stations: self.stations.iter().zip(&other.stations).map(|(x, y)| mix(*x, *y)).collect(),
         }
     }
 
@@ -506,14 +509,24 @@ impl System {
         (0..self.stations.len()).map(torn).collect()
     }
 
-    /// What leaves through the ends of the film: station, and flux with its derivatives.
-    fn film_outflows(&self, unknowns: &[f64], inputs: &Inputs) -> impl Iterator<Item = (usize, Outflow)> {
+    /// What leaves through the ends of the film: station, and flux with its derivatives. Ends that move with the mesh pass by some.
+    fn film_outflows(
+        &self,
+        unknowns: &[f64],
+        inputs: &Inputs,
+        rates: Option<&Rates>,
+    ) -> impl Iterator<Item = (usize, Outflow)> {
+        let ends = [self.mesh_speeds(rates, 0)[0], self.mesh_speeds(rates, self.layers[0].mesh.columns - 1)[1]];
         let last = self.stations.len() - 1;
         let speeds = surface_speeds(inputs);
-        self.film_ends.iter().flatten().zip([0, last]).map(move |(end, station)| {
+        self.film_ends.iter().flatten().zip([0, last]).zip(ends).map(move |((end, station), mesh)| {
             let gap = unknowns[self.layout.gap[station] as usize];
             let pressure = self.layout.pressure[0][station * self.layers[0].mesh.levels()];
-            (station, end.outflow(gap, unknowns[pressure as usize], speeds))
+            let mut outflow = end.outflow(gap, unknowns[pressure as usize], speeds);
+            let (thickness, slope) = self.film.thickness(gap);
+            outflow.value -= end.side * mesh * thickness;
+            outflow.by_gap -= end.side * mesh * slope;
+            (station, outflow)
         })
     }
 
@@ -521,13 +534,34 @@ impl System {
         self.stations[2 * column + 2] - self.stations[2 * column]
     }
 
-    fn volume_rate(&self, rates: Option<&Rates>, body: usize, element: usize) -> VolumeRate {
+    /// How fast what an element took up changes.
+    pub fn volume_rate(&self, rates: Option<&Rates>, body: usize, element: usize) -> VolumeRate {
         rates
             .map_or_else(VolumeRate::default, |r| VolumeRate { rate: r.rate, history: r.history.volume[body][element] })
     }
 
     fn mass_rate(&self, rates: Option<&Rates>, column: usize) -> MassRate {
-        rates.map_or_else(MassRate::default, |r| MassRate { rate: r.rate, history: r.history.film[column] })
+        rates.map_or_else(MassRate::default, |r| MassRate {
+            rate: r.rate,
+            history: r.history.film[column],
+            mesh_speeds: self.mesh_speeds(rates, column),
+        })
+    }
+
+    /// Speeds along x of the mesh at both ends of a column \[m/s\].
+    fn mesh_speeds(&self, rates: Option<&Rates>, column: usize) -> [f64; 2] {
+        let speed = |i: usize| rates.map_or(0.0, |r| r.rate * self.stations[i] + r.history.stations[i]);
+        [2 * column, 2 * column + 2].map(speed)
+    }
+
+    /// Surface speeds of a body relative to the mesh at both edges of a column \[m/s\].
+    pub fn relative_speeds(&self, body: usize, column: usize, inputs: &Inputs, rates: Option<&Rates>) -> [f64; 2] {
+        let speed = surface_speeds(inputs)[body];
+        let curvature = self::body(&self.parameters, self.layers[body].side).curvature();
+        let [left, right] = self.mesh_speeds(rates, column);
+        // Along the arc.
+        let along = |x: f64, mesh: f64| speed - mesh / (1.0 - (x * curvature).powi(2)).sqrt();
+        [along(self.stations[2 * column], left), along(self.stations[2 * column + 2], right)]
     }
 
     /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap and to the mean.

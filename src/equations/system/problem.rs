@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{At, Direction, Rates, Residual, System};
+use super::{At, Cause, Direction, Rates, Residual, System};
 use crate::equations::load::LoadBalance;
 use crate::parameters::{Control, Inputs};
 use crate::solver::deadline::Deadline;
@@ -146,13 +146,20 @@ impl System {
         }
         self.tangent = Tangent::default();
         let Place { point, rates } = place;
-        let present = (self.contact_half_width, self.thickening);
-        self.fit(point.contact_half_width, point.thickening);
-        let result = self.factorise_at(&point.unknowns, &point.active, &point.inputs, rates.as_ref());
-        self.fit(present.0, present.1);
-        result?;
+        self.on_mesh_of(point, |system| {
+            system.factorise_at(&point.unknowns, &point.active, &point.inputs, rates.as_ref())
+        })?;
         self.tangent.place = Some(place.clone());
         Ok(())
+    }
+
+    /// Does something on the mesh of a point, and returns to the present one.
+    fn on_mesh_of<T>(&mut self, point: &Point, action: impl FnOnce(&mut Self) -> T) -> T {
+        let present = (self.contact_half_width, self.thickening);
+        self.fit(point.contact_half_width, point.thickening);
+        let result = action(self);
+        self.fit(present.0, present.1);
+        result
     }
 
     /// Where the last tangent was formed.
@@ -166,11 +173,15 @@ impl System {
     /// [`Singular`] where there is none, or the answer is not finite.
     pub fn slope(&mut self, input: usize) -> Result<&Slope, Singular> {
         if self.tangent.slopes[input].is_none() {
-            let Some(Place { point, rates }) = &self.tangent.place else { return Err(Singular) };
-            let at = point.at(rates.as_ref());
-            let change = self.respond(at, vec![(Direction::UNIT[input], None)])?.pop().ok_or(Singular)?;
-            let load = self.loads(at, &change).total().eps;
-            self.tangent.slopes[input] = Some(Slope { unknowns: change.unknowns, load });
+            let place = self.tangent.place.take().ok_or(Singular)?;
+            let slope = self.on_mesh_of(&place.point, |system| {
+                let at = place.point.at(place.rates.as_ref());
+                let cause = Cause { direction: Direction::UNIT[input], ..Cause::default() };
+                let change = system.respond(at, vec![cause])?.pop().ok_or(Singular)?;
+                Ok(Slope { load: system.loads(at, &change).total().eps, unknowns: change.unknowns })
+            });
+            self.tangent.place = Some(place);
+            self.tangent.slopes[input] = Some(slope?);
         }
         self.tangent.slopes[input].as_ref().ok_or(Singular)
     }

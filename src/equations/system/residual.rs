@@ -13,12 +13,18 @@ impl System {
         let volume = self.layers.iter().enumerate().map(|(body, layer)| {
             let element = |element| {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
-                std::array::from_fn(|point| Tissue::strain(&layer.mesh, element, point, &at).volume_ratio())
+                let points = layer.mesh.points(element);
+                std::array::from_fn(|point| {
+                    Tissue::strain(&layer.mesh, element, point, &at).volume_change * points[point].weight
+                })
             };
             (0..layer.mesh.elements()).map(element).collect()
         });
-        let film = (0..self.layers[0].mesh.columns).map(|column| self.film.mass(&self.film_local(column, unknowns)));
-        Contents { volume: volume.collect(), film: film.collect() }
+        let film = (0..self.layers[0].mesh.columns).map(|column| {
+            let length = self.film_length(column);
+            self.film.mass(&self.film_local(column, unknowns)).map(|mass| mass * length)
+        });
+        Contents { volume: volume.collect(), film: film.collect(), stations: self.stations.clone() }
     }
 
     /// How [`System::contents`] change along a change of unknowns and of the penetration depth.
@@ -33,17 +39,21 @@ impl System {
             let element = |element| {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
                 let along = self.local_change(body, element, change, penetration_depth);
+                let points = layer.mesh.points(element);
                 std::array::from_fn(|point| {
                     let strain = Tissue::strain(&layer.mesh, element, point, &at);
                     let direction = Tissue::strain(&layer.mesh, element, point, &along);
-                    strain.cofactor.dot(&direction.gradient)
+                    strain.cofactor.dot(&direction.gradient) * points[point].weight
                 })
             };
             (0..layer.mesh.elements()).map(element).collect()
         });
-        let film = (0..self.layers[0].mesh.columns)
-            .map(|column| self.film.mass_change(&self.film_local(column, unknowns), &self.film_local(column, change)));
-        Contents { volume: volume.collect(), film: film.collect() }
+        let film = (0..self.layers[0].mesh.columns).map(|column| {
+            let length = self.film_length(column);
+            let [at, change] = [unknowns, change].map(|values| self.film_local(column, values));
+            self.film.mass_change(&at, &change).map(|change| change * length)
+        });
+        Contents { volume: volume.collect(), film: film.collect(), stations: vec![0.0; self.stations.len()] }
     }
 
     /// Adds what a change of the rates of volume and mass does to the residual.
@@ -51,13 +61,13 @@ impl System {
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
-                let local = layer.tissue.storage(&layer.mesh, element, &at, &change.volume[body][element]);
+                let local = layer.tissue.storage(&layer.mesh, &at, &change.volume[body][element]);
                 self.scatter(body, element, &local, values);
             }
         }
         let levels = self.layers[0].mesh.levels();
         for column in 0..self.layers[0].mesh.columns {
-            let stored = self.film.storage(self.film_length(column), &change.film[column]);
+            let stored = self.film.storage(&change.film[column]);
             for (a, stored) in stored.into_iter().enumerate() {
                 let number = self.layout.pressure[0][(2 * column + a) * levels];
                 if number != FIXED {
@@ -84,7 +94,8 @@ impl System {
                 let mut local = [0.0; LOCAL];
                 let rate = self.volume_rate(rates, body, element);
                 let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
-                layer.tissue.element(&layer.mesh, element, &at, speeds[body], &rate, terms)?;
+                let relative = self.relative_speeds(body, element / layer.mesh.rows, inputs, rates);
+                layer.tissue.element(&layer.mesh, element, &at, relative, &rate, terms)?;
                 if element.is_multiple_of(layer.mesh.rows) && layer.tissue.consistent {
                     let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
                     tissue::surface_pressure(&layer.mesh, element, layer.side, &at, terms);
@@ -95,13 +106,13 @@ impl System {
                 }
                 if layer.tissue.consistent {
                     let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
-                    inflow::ends(&layer.tissue, &layer.mesh, element, &at, speeds[body], terms);
+                    inflow::ends(&layer.tissue, &layer.mesh, element, &at, relative, terms);
                 }
                 self.scatter(body, element, &local, values);
             }
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, outflow) in self.film_outflows(unknowns, inputs) {
+        for (station, outflow) in self.film_outflows(unknowns, inputs, rates) {
             values[self.layout.pressure[0][station * levels] as usize] += outflow.value / self.copies();
         }
         for column in 0..self.layers[0].mesh.columns {

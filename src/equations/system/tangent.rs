@@ -54,6 +54,17 @@ pub struct At<'a> {
     pub rates: Option<&'a Rates>,
 }
 
+/// What changes a solution.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Cause {
+    /// Of the inputs.
+    pub direction: Direction,
+    /// Of the history terms of [`Rates`]; none where there is no change.
+    pub history: Option<Contents>,
+    /// Of the residual itself, beside that; empty for none.
+    pub residual: Vec<f64>,
+}
+
 /// A small change of a solution with its causes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
@@ -139,9 +150,9 @@ impl System {
         let mut tangent = [0.0; LOCAL * LOCAL];
         let rate = self.volume_rate(rates, body, element);
         let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
+        let relative = self.relative_speeds(body, element / layer.mesh.rows, inputs, rates);
         // An inverted element was refused when the residual was formed.
-        let inverted =
-            layer.tissue.element(&layer.mesh, element, at, surface_speeds(inputs)[body], &rate, terms).is_err();
+        let inverted = layer.tissue.element(&layer.mesh, element, at, relative, &rate, terms).is_err();
         if inverted {
             tangent.fill(f64::NAN);
         }
@@ -151,23 +162,30 @@ impl System {
         }
         if layer.tissue.consistent {
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
-            inflow::ends(&layer.tissue, &layer.mesh, element, at, surface_speeds(inputs)[body], terms);
+            inflow::ends(&layer.tissue, &layer.mesh, element, at, relative, terms);
         }
         tangent
     }
 
     /// Derivative of an element's residual by the speed of its surface.
-    fn element_by_speed(&self, body: usize, element: usize, at: &Local, inputs: &Inputs) -> Local {
+    fn element_by_speed(
+        &self,
+        body: usize,
+        element: usize,
+        at: &Local,
+        inputs: &Inputs,
+        rates: Option<&Rates>,
+    ) -> Local {
         let layer = &self.layers[body];
         let mut by_speed = [0.0; LOCAL];
         let terms = ElementTerms { residual: None, by_speed: Some(&mut by_speed), tangent: None };
-        let speed = surface_speeds(inputs)[body];
-        if layer.tissue.element(&layer.mesh, element, at, speed, &VolumeRate::default(), terms).is_err() {
+        let speeds = self.relative_speeds(body, element / layer.mesh.rows, inputs, rates);
+        if layer.tissue.element(&layer.mesh, element, at, speeds, &VolumeRate::default(), terms).is_err() {
             by_speed.fill(f64::NAN);
         }
         if layer.tissue.consistent {
             let terms = ElementTerms { residual: None, by_speed: Some(&mut by_speed), tangent: None };
-            inflow::ends(&layer.tissue, &layer.mesh, element, at, speed, terms);
+            inflow::ends(&layer.tissue, &layer.mesh, element, at, speeds, terms);
         }
         by_speed
     }
@@ -239,7 +257,8 @@ impl System {
                 }
             }
             let stations = 2 * column..=2 * column + 2;
-            for (station, outflow) in self.film_outflows(unknowns, inputs).filter(|(i, _)| stations.contains(i)) {
+            for (station, outflow) in self.film_outflows(unknowns, inputs, rates).filter(|(i, _)| stations.contains(i))
+            {
                 let a = station - 2 * column;
                 matrix[(NODES + a) * m + 2 * NODES + a] += outflow.by_gap / self.copies();
                 matrix[(2 * NODES + a) * m + 2 * NODES + a] += outflow.by_pressure / self.copies();
@@ -255,21 +274,22 @@ impl System {
     }
 
     /// How a solution changes with its inputs and its history, from the last factorisation, which has to be that at the solution;
-    /// one answer for each pair of causes.
+    /// one answer for each cause.
     ///
     /// # Errors
     /// [`Singular`] where the answer is not finite.
-    pub fn respond(&self, at: At<'_>, causes: Vec<(Direction, Option<Contents>)>) -> Result<Vec<Change>, Singular> {
+    pub fn respond(&self, at: At<'_>, causes: Vec<Cause>) -> Result<Vec<Change>, Singular> {
         let n = self.unknowns();
         let mut columns = vec![0.0; causes.len() * n];
-        for ((direction, history), values) in causes.iter().zip(columns.chunks_exact_mut(n)) {
-            let mut direction = *direction;
+        for (cause, values) in causes.iter().zip(columns.chunks_exact_mut(n)) {
+            let mut direction = cause.direction;
             if self.mirrored() {
                 // Exchanging the bodies reverses the slide-to-roll ratio: what is mirror-symmetric does not change with it.
                 direction.slide_to_roll_ratio = 0.0;
             }
             self.add_by_inputs(at, &direction, values);
-            if let Some(history) = history {
+            values.iter_mut().zip(&cause.residual).for_each(|(value, change)| *value += change);
+            if let Some(history) = &cause.history {
                 self.add_storage(at.unknowns, at.inputs, history, values);
             }
             let contact = self.contact(at.inputs);
@@ -284,11 +304,11 @@ impl System {
             values.iter_mut().for_each(|v| *v = -*v);
         }
         self.solve(&mut columns)?;
-        let changes = causes.into_iter().zip(columns.chunks_exact(n)).map(|((inputs, history), unknowns)| Change {
-            contact_forces: self.contact_force_change(at, unknowns, inputs.penetration_depth),
+        let changes = causes.into_iter().zip(columns.chunks_exact(n)).map(|(cause, unknowns)| Change {
+            contact_forces: self.contact_force_change(at, unknowns, cause.direction.penetration_depth),
             unknowns: unknowns.to_vec(),
-            inputs,
-            history,
+            inputs: cause.direction,
+            history: cause.history,
         });
         Ok(changes.collect())
     }
@@ -356,7 +376,8 @@ impl System {
                     continue;
                 }
                 let local_at = self.local(body, element, unknowns, inputs.penetration_depth);
-                let mut local = self.element_by_speed(body, element, &local_at, inputs).map(|v| v * speeds[body]);
+                let mut local =
+                    self.element_by_speed(body, element, &local_at, inputs, rates).map(|v| v * speeds[body]);
                 if at_bone {
                     let change = self.local_change(body, element, &none, direction.penetration_depth);
                     add_product(&self.element_tangent(body, element, &local_at, inputs, rates), &change, &mut local);
@@ -365,7 +386,7 @@ impl System {
             }
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, outflow) in self.film_outflows(unknowns, inputs) {
+        for (station, outflow) in self.film_outflows(unknowns, inputs, rates) {
             let number = self.layout.pressure[0][station * levels] as usize;
             values[number] += along(outflow.by_speeds, speeds) / self.copies();
         }
@@ -392,7 +413,7 @@ impl System {
             let local = self.film_local(column, &change.unknowns);
             let length = self.film_length(column);
             let terms = self.film.element(length, &values, speeds, &self.mass_rate(at.rates, column));
-            let stored = change.history.as_ref().map_or([0.0; 3], |h| self.film.storage(length, &h.film[column]));
+            let stored = change.history.as_ref().map_or([0.0; 3], |h| self.film.storage(&h.film[column]));
             for a in 0..3 {
                 let moved: f64 = terms.tangent[a].iter().zip(local).map(|(t, c)| t * c).sum();
                 outflow[2 * column + a][0] += terms.residual[a];
@@ -404,7 +425,7 @@ impl System {
             (outflow[0], outflow[last]) = ([0.0; 2], [0.0; 2]);
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, end) in self.film_outflows(at.unknowns, at.inputs) {
+        for (station, end) in self.film_outflows(at.unknowns, at.inputs, at.rates) {
             let changed = |number: u32| change.unknowns[number as usize];
             let gap = changed(self.layout.gap[station]);
             let pressure = changed(self.layout.pressure[0][station * levels]);
