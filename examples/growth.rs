@@ -48,8 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut active = vec![false; system.stations.len()];
         let mut residual = Residual::default();
         let of_residual =
-            least(seconds, || system.residual(&unknowns, &mut active, &inputs, None, &mut residual).map(|_| ()))?;
-        let of_tangent = least(seconds, || system.factorise(&unknowns, &active, &inputs, None))?;
+            least(seconds, || system.residual_at(&unknowns, &mut active, &inputs, None, &mut residual).map(|_| ()))?;
+        let of_tangent = least(seconds, || system.factorise_at(&unknowns, &active, &inputs, None))?;
         let mut solution = residual.values.clone();
         let of_solution = least(seconds, || {
             solution.clone_from(&residual.values);

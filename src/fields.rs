@@ -197,10 +197,11 @@ impl Solution<'_> {
         let void_thickness: Vec<f64> = system.layout.void.iter().map(value).collect();
 
         let mut residual = Residual::default();
-        system.residual(self.unknowns, &mut self.active.to_vec(), self.inputs, self.rates, &mut residual)?;
-        let smooth = |i: usize| if self.active[i] { residual.contact_forces[i] / system.weights[i] } else { 0.0 };
+        system.residual_at(self.unknowns, &mut self.active.to_vec(), self.inputs, self.rates, &mut residual)?;
+        let multiplier = |i: usize| if self.active[i] { residual.contact_forces[i] / system.weights[i] } else { 0.0 };
         let gap = |i: usize| self.unknowns[system.layout.gap[i] as usize];
-        let pressure = |i| system.roughness().map_or_else(|| smooth(i), |rough| rough.pressure(gap(i)).0);
+        let law = system.contact_law();
+        let pressure = |i| law.pressure(gap(i)).0 + multiplier(i);
         let contact_pressure = (0..stations).map(pressure).collect();
 
         let (upper_outflow, weight) = self.outflow(0)?;

@@ -1,12 +1,21 @@
-//! Contact of the surfaces.
+//! Contact of the surfaces: how much they press on each other at every station, and the friction that goes with it.
 //!
-//! Smooth ones touch node by node: gap and contact pressure are complementary, [`SmoothContact`]. Of rough ones this is what they carry
-//! besides the film's pressure, on one element of the interface of one body:
+//! There is one interface over two kinds of law, [`ContactLaw`]. The contact pressure at a station is the sum of what follows from the
+//! gap h and of a multiplier,
+//!
+//! p_c = p_a(h) + lambda
+//!
+//! Rough surfaces have the asperities' pressure p_a(h) and no multiplier. Smooth ones have p_a = 0 and complementarity,
+//! lambda >= 0, h >= 0, lambda h = 0: a station is active where they touch, lambda is what its balance of forces then misses, and the
+//! condition h = 0 stands in for that balance.
+//!
+//! What follows from the gap is part of the elements of the surface,
 //!
 //! int p_a(h) n . v da + int tau t . v da,   tau = mu [p_a + phi A p]
 //!
-//! with the asperities' pressure p_a, the share A of real contact and the boundary friction mu of both surfaces; integrated at the nodes
-//! (Simpson's rule), so that there is one condition a node. The normal is that of the deformed surface, and tau acts along x.
+//! with the share A of real contact and the boundary friction mu of both surfaces; integrated at the nodes (Simpson's rule), so that
+//! there is one condition a node. The normal is that of the deformed surface, and tau acts along x. The multiplier of an active
+//! station rubs with tau = mu lambda.
 
 use crate::equations::tissue::{LOCAL, Local};
 use crate::fem::element::{NODES, SIMPSON, pressure, quadratic_derivative};
@@ -14,36 +23,91 @@ use crate::fem::mesh::LayerMesh;
 use crate::laws::contact::is_active;
 use crate::laws::roughness::Roughness;
 
-/// Complementarity of gap and contact pressure at a node, by the primal-dual active set.
+/// How gap and pressure of the solids go together.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SmoothContact {
-    /// Weight of gaps against contact pressures \[Pa/m\].
-    pub stiffness: f64,
-    /// Modulus of the tissue \[Pa\].
-    pub modulus: f64,
+pub enum ContactLaw {
+    /// Complementarity, by the primal-dual active set.
+    Smooth {
+        /// Weight of gaps against contact pressures \[Pa/m\].
+        stiffness: f64,
+        /// Modulus of the tissue \[Pa\].
+        modulus: f64,
+    },
+    /// The asperities' pressure.
+    Rough(Roughness),
 }
 
-impl SmoothContact {
-    /// Whether a node is in contact, from its contact pressure (0 where it was not) and its gap. One whose pressure and gap are both
+impl ContactLaw {
+    /// Pressure that follows from the gap, and its derivative.
+    pub fn pressure(&self, gap: f64) -> (f64, f64) {
+        match self {
+            Self::Smooth { .. } => (0.0, 0.0),
+            Self::Rough(roughness) => roughness.pressure(gap),
+        }
+    }
+
+    /// Share of real contact that follows from the gap, and its derivative.
+    pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
+        match self {
+            Self::Smooth { .. } => (0.0, 0.0),
+            Self::Rough(roughness) => roughness.real_contact_share(gap),
+        }
+    }
+
+    /// Whether a station is active, from its multiplier (0 where it was not) and its gap. One whose multiplier and gap are both
     /// round-off keeps its status.
-    pub fn touches(&self, touched: bool, pressure: f64, gap: f64) -> bool {
-        let hysteresis = 1e-11 * self.modulus * if touched { 1.0 } else { -1.0 };
-        is_active(pressure + hysteresis, gap, self.stiffness)
+    pub fn is_active(&self, active: bool, multiplier: f64, gap: f64) -> bool {
+        match *self {
+            Self::Smooth { stiffness, modulus } => {
+                let hysteresis = 1e-11 * modulus * if active { 1.0 } else { -1.0 };
+                is_active(multiplier + hysteresis, gap, stiffness)
+            }
+            Self::Rough(_) => false,
+        }
     }
 
-    /// The equation of a node in contact, which says that its gap is closed, and its derivative by the gap.
-    pub fn closed(&self, gap: f64) -> (f64, f64) {
-        (self.modulus * gap, self.modulus)
+    /// The condition of an active station, and its derivative with respect to the gap.
+    pub fn condition(&self, gap: f64) -> (f64, f64) {
+        match *self {
+            Self::Smooth { modulus, .. } => (modulus * gap, modulus),
+            // None is active.
+            Self::Rough(_) => (0.0, 0.0),
+        }
+    }
+
+    /// How far a film of this gap may close and open within one update, as factors of the gap: its conductance goes with the cube of
+    /// it, so that a tangent says nothing about larger changes. Where smooth surfaces touch, the active set takes over what rough ones
+    /// have to find in smaller steps.
+    pub fn film_limits(&self) -> [f64; 2] {
+        match self {
+            Self::Smooth { .. } => [0.1, 3.0],
+            Self::Rough(_) => [0.4, 2.0],
+        }
+    }
+
+    /// The least gap that an update from `before` to `wanted` may lead to. Rough surfaces close to where they press as the tangent says,
+    /// or as hard as `least_pressure`: their pressure rises exponentially, and their distance by the tangent would be far too small.
+    pub fn least_gap(&self, before: f64, wanted: f64, least_pressure: f64) -> f64 {
+        match self {
+            Self::Smooth { .. } => f64::NEG_INFINITY,
+            Self::Rough(roughness) => {
+                let (pressure, slope) = roughness.pressure(before);
+                let meant = pressure + slope * (wanted - before);
+                roughness.gap_at(meant.max(least_pressure)).min(before)
+            }
+        }
     }
 }
 
-/// Rough surfaces with their friction.
+/// Contact with its friction, at given speeds of the surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoughContact {
-    /// The surfaces.
-    pub roughness: Roughness,
+pub struct Contact {
+    /// How gap and pressure go together.
+    pub law: ContactLaw,
     /// Friction traction on the upper body per unit of pressure, positive along -x.
     pub friction: f64,
+    /// Its derivatives with respect to the two surface speeds \[s/m\].
+    pub friction_by_speeds: [f64; 2],
     /// Share phi of the fluid's pressure in real contact that friction feels.
     pub solid_fraction: f64,
 }
@@ -53,14 +117,19 @@ pub struct RoughContact {
 pub struct ContactTerms<'a> {
     /// Added to: the residual.
     pub residual: Option<&'a mut Local>,
-    /// Added to: its derivative by the friction traction per unit of pressure.
+    /// Added to: its derivative with respect to the friction traction per unit of pressure.
     pub by_friction: Option<&'a mut Local>,
-    /// Added to: its derivatives by the local unknowns, and by the gaps at the three nodes.
+    /// Added to: its derivatives with respect to the local unknowns, and to the gaps at the three nodes.
     pub tangent: Option<(&'a mut [f64; LOCAL * LOCAL], &'a mut [Local; 3])>,
 }
 
-impl RoughContact {
-    /// Adds the terms of an element of the first row. `side` is 1 for the upper body and -1 for the lower one.
+impl Contact {
+    /// How friction changes with the surface speeds, per unit of pressure.
+    pub fn friction_change(&self, speed_changes: [f64; 2]) -> f64 {
+        self.friction_by_speeds[0] * speed_changes[0] + self.friction_by_speeds[1] * speed_changes[1]
+    }
+
+    /// Adds what follows from the gaps to an element of the first row. `side` is 1 for the upper body and -1 for the lower one.
     pub fn element(
         &self,
         mesh: &LayerMesh,
@@ -70,6 +139,9 @@ impl RoughContact {
         gaps: [f64; 3],
         mut terms: ContactTerms<'_>,
     ) {
+        if let ContactLaw::Smooth { .. } = self.law {
+            return;
+        }
         let nodes = mesh.element_nodes(element);
         for (a, gap) in gaps.into_iter().enumerate() {
             let (s, weight) = (a as f64 - 1.0, 2.0 * SIMPSON[a]);
@@ -79,8 +151,8 @@ impl RoughContact {
             let (x, y) = (along(0), along(1));
             let shape = pressure(mesh.pressure_order, s);
             let fluid: f64 = (0..3).map(|b| shape[b] * at[2 * NODES + b]).sum();
-            let (solid, solid_slope) = self.roughness.pressure(gap);
-            let (share, share_slope) = self.roughness.real_contact_share(gap);
+            let (solid, solid_slope) = self.law.pressure(gap);
+            let (share, share_slope) = self.law.real_contact_share(gap);
             let (push, push_slope) = (weight * solid, weight * solid_slope);
             let rubbing = side * weight * (solid + self.solid_fraction * share * fluid);
             let drag = self.friction * rubbing;
@@ -132,7 +204,9 @@ mod tests {
                 rms: 1e-6, law: AsperityLaw::Exponential, asperity_pressure: 2e4, asperity_decay: 0.5, core_pressure: 1e6,
                 core_decay: 0.2,
             };
-            let contact = RoughContact { roughness, friction: 0.3, solid_fraction: 0.1 };
+            let contact = Contact {
+                law: ContactLaw::Rough(roughness), friction: 0.3, friction_by_speeds: [0.0; 2], solid_fraction: 0.1,
+            };
             let scale = |i: usize| if i < 2 * NODES { 2e-5 } else { 2e5 };
             let residual = |s: f64, friction: f64| {
                 let at: Local = std::array::from_fn(|i| (seed[i % 31] + s * direction[i % 29]) * scale(i));
@@ -142,7 +216,7 @@ mod tests {
                 let terms = ContactTerms {
                     residual: Some(&mut residual), by_friction: Some(&mut by_friction), tangent: Some((&mut tangent, &mut by_gap)),
                 };
-                RoughContact { friction, ..contact }.element(&mesh, 2, side, &at, gaps, terms);
+                Contact { friction, ..contact }.element(&mesh, 2, side, &at, gaps, terms);
                 (residual, by_friction, tangent, by_gap)
             };
             let (_, by_friction, tangent, by_gap) = residual(0.0, 0.3);

@@ -6,6 +6,7 @@ pub mod film_end;
 pub mod grid;
 pub mod inflow;
 pub mod layout;
+pub mod load;
 pub mod surface;
 pub mod system;
 pub mod tissue;

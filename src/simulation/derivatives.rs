@@ -145,7 +145,7 @@ pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, Str
             let [stored, flows] = [Some(motion.rates()), None].map(|rates| {
                 let mut residual = Residual::default();
                 let formed =
-                    system.residual(unknowns, &mut point.active.clone(), inputs, rates.as_ref(), &mut residual);
+                    system.residual_at(unknowns, &mut point.active.clone(), inputs, rates.as_ref(), &mut residual);
                 formed.map(|_| residual.values).map_err(|inverted| inverted.to_string())
             });
             let (stored, flows) = (stored?, flows?);

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, Foreseen, LONGEST_APPROACH, Place, Point};
+use super::bodies::{Bodies, Foreseen, Place, Point};
 use super::steady::{Steady, load};
+use crate::equations::load::LARGEST_APPROACH;
 use crate::parameters::{Control, Inputs};
 use crate::solver::linear::Singular;
 
@@ -30,7 +31,7 @@ pub(super) struct Target {
 }
 
 impl Point {
-    pub fn target(&self) -> Target {
+    pub(super) fn target(&self) -> Target {
         Target { inputs: self.inputs, thickening: self.thickening }
     }
 }
@@ -169,6 +170,7 @@ fn along(
         return Err(Singular);
     }
     bodies.form(place)?;
+    let mirrored = point.mirrored;
     let mut changes = changes(&point.target(), target, Control::Depth);
     if point.mirrored {
         // A mirrored pair does not change with the slide-to-roll ratio.
@@ -177,15 +179,15 @@ fn along(
     if control == Control::Load {
         let mut wanted = target.inputs.applied_load - load(bodies, point);
         for input in (1..3).filter(|input| changes[*input] != 0.0) {
-            wanted -= bodies.slope(input)?.load * changes[input];
+            wanted -= bodies.system(mirrored).slope(input)?.load * changes[input];
         }
-        let most = LONGEST_APPROACH * bodies.system(point.mirrored).thickness();
-        let stiffness = bodies.slope(0)?.load;
+        let most = LARGEST_APPROACH * bodies.system(mirrored).thickness();
+        let stiffness = bodies.system(mirrored).slope(0)?.load;
         changes[0] = if stiffness > 0.0 { (wanted / stiffness).clamp(-most, most) } else { 0.0 };
     }
     let mut update = vec![0.0; point.unknowns.len()];
     for (input, change) in changes.into_iter().take(3).enumerate().filter(|(_, change)| *change != 0.0) {
-        update.iter_mut().zip(&bodies.slope(input)?.unknowns).for_each(|(u, s)| *u -= s * change);
+        update.iter_mut().zip(&bodies.system(mirrored).slope(input)?.unknowns).for_each(|(u, s)| *u -= s * change);
     }
     Ok((update, changes[0]))
 }

@@ -231,8 +231,9 @@ pub(super) fn settle(
         deadline: bodies.deadline,
     };
     let task = Task { inputs: target, rates: None, control, settings, kept };
+    let mirrored = guess.mirrored;
     let (result, spent) = bodies.settle(guess, &task);
-    let kept = bodies.place().map(|place| Box::new(Kept { place: place.clone(), miss: None }));
+    let kept = bodies.place(mirrored).map(|place| Box::new(Kept { place: place.clone(), miss: None }));
     (result.map(|point| Steady { point, kept, before: None }), spent)
 }
 

@@ -203,8 +203,9 @@ impl<'a> Walker<'a> {
         let (point, iterations) = bodies.settle(guess, &task);
         self.iterations += iterations;
         let point = point?;
-        if self.kept.as_ref() != bodies.place() {
-            self.kept = bodies.place().cloned();
+        let place = bodies.place(point.mirrored);
+        if self.kept.as_ref() != place {
+            self.kept = place.cloned();
         }
         let contents = bodies.system_of(&point).contents(&point.unknowns, &point.inputs);
         let rate = rates.of(&contents);

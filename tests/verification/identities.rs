@@ -84,7 +84,7 @@ fn half_a_pair_is_half_of_the_pair() {
         let parameters = Parameters { boundary_friction_loads_tissue: false, ..coarse(formulation) };
         let half = pair_at(&parameters, true, &PATH);
         let full = pair_at(&parameters, false, &PATH);
-        assert!(full.active.contains(&true) && half.active == full.active);
+        assert!(full.point.active.contains(&true) && half.point.active == full.point.active);
         for node in 0..half.system.layers[0].mesh.nodes.len() {
             let [x, y] = half.displacement(0, node);
             for (body, sign) in [(0, 1.0), (1, -1.0)] {
@@ -161,8 +161,10 @@ fn equilibrium_of_each_body() {
         for depths in [&PATH[..1], &PATH[..3], &PATH[..]] {
             let pair = pair_at(&parameters, false, depths);
             let levels = pair.levels();
-            let solid: f64 =
-                (0..pair.active.len()).filter(|i| pair.active[*i]).map(|i| pair.residual.contact_forces[i]).sum();
+            let solid: f64 = (0..pair.point.active.len())
+                .filter(|i| pair.point.active[*i])
+                .map(|i| pair.point.contact_forces[i])
+                .sum();
             let fluid: f64 = pair.places().iter().map(|p| p.weight * p.pressure).sum();
             for body in 0..2 {
                 let layer = &pair.system.layers[body];
@@ -236,7 +238,7 @@ fn what_the_bones_carry_is_what_is_reported() {
                     .iter()
                     .zip([(0, -1.0), (last, 1.0)])
                     .map(|(end, (i, side))| {
-                        side * end.pressure * pair.unknowns[pair.system.layout.gap[i] as usize] + end.shear[0]
+                        side * end.pressure * pair.point.unknowns[pair.system.layout.gap[i] as usize] + end.shear[0]
                     })
                     .sum();
                 let [r1, r2] = [parameters.upper.outer_radius, parameters.lower.outer_radius];
@@ -258,7 +260,7 @@ fn what_the_bones_carry_is_what_is_reported() {
                 assert_relative_eq!(o.upper_force_y, parameters.width * o.load);
                 assert_relative_eq!(o.lower_moment, -parameters.width * o.load_moment);
             }
-            assert!(pair.active.contains(&true) || !all);
+            assert!(pair.point.active.contains(&true) || !all);
         }
     }
 }
@@ -385,7 +387,7 @@ fn equation_13() {
                     // The film's momentum: wall shear against pressure on the slopes of the surfaces, -int p h' dx, and at the ends.
                     let last = pair.system.stations.len() - 1;
                     let at_end = |station: usize| {
-                        let gap = pair.unknowns[pair.system.layout.gap[station] as usize];
+                        let gap = pair.point.unknowns[pair.system.layout.gap[station] as usize];
                         gap * pair.pressure(0, station * pair.levels())
                     };
                     let slopes: f64 = places.iter().map(|p| p.weight * p.film_slope * p.pressure).sum();
@@ -417,17 +419,17 @@ fn millimetres_and_grams() {
         a.go(now);
         b.go(Inputs { penetration_depth: 1e3 * now.penetration_depth, sliding_speed: 1e3 * U, ..now });
     }
-    assert!(a.active == b.active && a.active.contains(&true));
+    assert!(a.point.active == b.point.active && a.point.active.contains(&true));
     for (p, q) in a.places().iter().zip(b.places()) {
         assert_relative_eq!(1e3 * p.film_thickness, q.film_thickness, max_relative = 1e-7, epsilon = 1e-12);
         assert_relative_eq!(p.pressure, q.pressure, max_relative = 1e-7, epsilon = 1e-3);
     }
     for (p, q) in a
-        .residual
+        .point
         .contact_forces
         .iter()
-        .zip(&b.residual.contact_forces)
-        .zip(&a.active)
+        .zip(&b.point.contact_forces)
+        .zip(&a.point.active)
         .filter(|(_, a)| **a)
         .map(|(f, _)| f)
     {

@@ -1,20 +1,17 @@
 //! Two bodies as the crate's own discrete system, with its unknowns in reach.
 
 use cartilage_contact::equations::inflow;
-use cartilage_contact::equations::system::{At, Change, Direction, Residual, System};
+use cartilage_contact::equations::system::{At, Change, Point, System, Task};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
 use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, quadratic, quadratic_derivative};
-use cartilage_contact::parameters::{Formulation, Inputs, Parameters};
+use cartilage_contact::parameters::{Control, Formulation, Inputs, Parameters};
 use cartilage_contact::solver::deadline::Deadline;
 use cartilage_contact::solver::linear::FIXED;
 use cartilage_contact::solver::newton;
 
 pub struct Pair {
     pub system: System,
-    pub inputs: Inputs,
-    pub unknowns: Vec<f64>,
-    pub active: Vec<bool>,
-    pub residual: Residual,
+    pub point: Point,
 }
 
 /// What an element of the interface has at one of its quadrature points.
@@ -49,9 +46,9 @@ impl Pair {
         let radii = [parameters.upper.outer_radius, parameters.lower.outer_radius];
         let slope: f64 = radii.iter().map(|r| x / (r * r - x * x).sqrt()).sum();
         let curvature: f64 = radii.iter().map(|r| 1.0 / r).sum();
-        let (eta, speed) = (parameters.viscosity, self.inputs.sliding_speed);
+        let (eta, speed) = (parameters.viscosity, self.point.inputs.sliding_speed);
         let ends = [(0, -1.0), (last, 1.0)].into_iter().map(|(station, side)| {
-            let gap = self.unknowns[self.system.layout.gap[station] as usize];
+            let gap = self.point.unknowns[self.system.layout.gap[station] as usize];
             let pressure = self.pressure(0, station * self.levels());
             let (length, n) = (gap / slope, 20_000);
             let mut integrals = [0.0; 3];
@@ -74,25 +71,27 @@ impl Pair {
     pub fn new(parameters: &Parameters, mirrored: bool) -> Self {
         let system = System::new(parameters, mirrored, 0.0);
         let inputs = Inputs { sliding_speed: 0.0, ..Inputs::default() };
-        Self {
-            unknowns: system.rest(inputs.penetration_depth),
-            active: vec![false; system.stations.len()],
-            residual: Residual::default(),
-            system,
+        let stations = system.stations.len();
+        let point = Point {
             inputs,
-        }
+            mirrored,
+            contact_half_width: 0.0,
+            thickening: 1.0,
+            unknowns: system.rest(inputs.penetration_depth),
+            active: vec![false; stations],
+            contact_forces: vec![0.0; stations],
+        };
+        Self { system, point }
     }
 
     /// Rest at this depth, so that the first step need not move the bones.
     pub fn rest_at(&mut self, penetration_depth: f64) {
-        self.inputs.penetration_depth = penetration_depth;
-        self.unknowns = self.system.rest(penetration_depth);
+        self.point.inputs.penetration_depth = penetration_depth;
+        self.point.unknowns = self.system.rest(penetration_depth);
     }
 
     /// Solves for these inputs from the present state.
     pub fn go(&mut self, inputs: Inputs) {
-        self.inputs = inputs;
-        let mut unknowns = self.unknowns.clone();
         let settings = newton::Settings {
             tolerance: 1e-10,
             maximum_iterations: 40,
@@ -100,24 +99,19 @@ impl Pair {
             most_large: 40,
             deadline: Deadline::default(),
         };
-        newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap_or_else(|e| panic!("{inputs}: {e:?}"));
-        self.unknowns = unknowns;
+        let task = Task { inputs: &inputs, rates: None, control: Control::Depth, settings, kept: None };
+        let (result, _) = self.system.settle(self.point.clone(), &task);
+        self.point = result.unwrap_or_else(|reason| panic!("{inputs}: {reason}"));
     }
 
     /// Where derivatives are taken.
     pub fn at(&self) -> At<'_> {
-        let Self { unknowns, active, residual, inputs, .. } = self;
-        At { unknowns, active, contact_forces: &residual.contact_forces, inputs, rates: None }
+        self.point.at(None)
     }
 
     /// No change at all.
     pub fn no_change(&self) -> Change {
-        Change {
-            unknowns: vec![0.0; self.unknowns.len()],
-            inputs: Direction::default(),
-            history: None,
-            contact_forces: vec![0.0; self.active.len()],
-        }
+        Change::none(self.point.unknowns.len(), self.point.active.len())
     }
 
     /// Nodes through the thickness.
@@ -129,7 +123,7 @@ impl Pair {
     pub fn pressure(&self, body: usize, node: usize) -> f64 {
         match self.system.layout.pressure[body][node] {
             FIXED => 0.0,
-            number => self.unknowns[number as usize],
+            number => self.point.unknowns[number as usize],
         }
     }
 
@@ -138,7 +132,7 @@ impl Pair {
         let mesh = &self.system.layers[body].mesh;
         let element =
             (node / mesh.levels()).saturating_sub(1) / 2 * mesh.rows + (node % mesh.levels()).saturating_sub(1) / 2;
-        let at = self.system.local(body, element, &self.unknowns, self.inputs.penetration_depth);
+        let at = self.system.local(body, element, &self.point.unknowns, self.point.inputs.penetration_depth);
         let a = mesh.element_nodes(element).iter().position(|n| *n == node).unwrap();
         [at[a], at[NODES + a]]
     }
@@ -149,7 +143,7 @@ impl Pair {
         let layer = &self.system.layers[body];
         let mut reactions = [0; 3].map(|_| vec![0.0; layer.mesh.nodes.len()]);
         for element in 0..layer.mesh.elements() {
-            let at = self.system.local(body, element, &self.unknowns, self.inputs.penetration_depth);
+            let at = self.system.local(body, element, &self.point.unknowns, self.point.inputs.penetration_depth);
             let mut local = [0.0; LOCAL];
             let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
             layer.tissue.element(&layer.mesh, element, &at, [speed; 2], &VolumeRate::default(), terms).unwrap();
@@ -170,7 +164,7 @@ impl Pair {
         let layer = &self.system.layers[body];
         let mut carried = 0.0;
         for element in 0..layer.mesh.elements() {
-            let at = self.system.local(body, element, &self.unknowns, self.inputs.penetration_depth);
+            let at = self.system.local(body, element, &self.point.unknowns, self.point.inputs.penetration_depth);
             for point in layer.mesh.end_points(element).filter(|point| point.outflow * speed > 0.0) {
                 let [gx, gy] = &point.gradients;
                 let slope = |g: &[f64; NODES], first: usize| -> f64 { (0..NODES).map(|a| g[a] * at[first + a]).sum() };
@@ -189,7 +183,7 @@ impl Pair {
         for column in 0..x.len() / 2 {
             let nodes = [2 * column, 2 * column + 1, 2 * column + 2];
             let half = 0.5 * (x[nodes[2]] - x[nodes[0]]);
-            let gaps = nodes.map(|i| self.unknowns[self.system.layout.gap[i] as usize]);
+            let gaps = nodes.map(|i| self.point.unknowns[self.system.layout.gap[i] as usize]);
             let pressures = nodes.map(|i| self.pressure(0, i * levels));
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let sum = |f: [f64; 3], v: [f64; 3]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
@@ -204,30 +198,5 @@ impl Pair {
             }
         }
         places
-    }
-}
-
-impl newton::Problem for Pair {
-    fn residual(&mut self, unknowns: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
-        let Self { system, inputs, active, residual: parts, .. } = self;
-        let changed = system.residual(unknowns, active, inputs, None, parts).map_err(|e| e.to_string())?;
-        residual.clone_from(&self.residual.values);
-        Ok(changed)
-    }
-
-    fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String> {
-        self.system.factorise(unknowns, &self.active, &self.inputs, None).map_err(|e| e.to_string())
-    }
-
-    fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), String> {
-        self.system.solve(right_hand_side).map_err(|e| e.to_string())
-    }
-
-    fn apply(&self, unknowns: &mut [f64], update: &[f64]) {
-        self.system.apply(unknowns, update, &self.active);
-    }
-
-    fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64 {
-        self.system.relative_size(unknowns, update)
     }
 }

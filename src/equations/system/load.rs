@@ -30,13 +30,15 @@ impl Loads {
 impl System {
     /// Pressure of solid on solid at every station, with its change \[Pa\].
     pub fn contact_pressure(&self, at: At<'_>, change: &Change) -> Vec<Dual64> {
-        let smooth = |i: usize| match at.active[i] {
-            true => Dual64::new(at.contact_forces[i], change.contact_forces[i]) / self.weights[i],
-            false => Dual64::from(0.0),
+        let law = self.contact_law();
+        let pressure = |i: usize| {
+            let by_gap = chain(law.pressure(at.gap(self, i)), self.gap_change(change, i));
+            match at.active[i] {
+                true => by_gap + Dual64::new(at.contact_forces[i], change.contact_forces[i]) / self.weights[i],
+                false => by_gap,
+            }
         };
-        let rough =
-            |i: usize| self.roughness().map(|rough| chain(rough.pressure(at.gap(self, i)), self.gap_change(change, i)));
-        (0..self.stations.len()).map(|i| rough(i).unwrap_or_else(|| smooth(i))).collect()
+        (0..self.stations.len()).map(pressure).collect()
     }
 
     fn gap_change(&self, change: &Change, station: usize) -> f64 {
@@ -48,7 +50,7 @@ impl System {
     pub fn loads(&self, at: At<'_>, change: &Change) -> Loads {
         let zero = Dual64::from(0.0);
         let mut loads = Loads { fluid: zero, solid: zero, fluid_in_contact: zero, in_real_contact: zero };
-        let rough = self.roughness();
+        let law = self.contact_law();
         let levels = self.layers[0].mesh.levels();
         let value = |number: u32| match number {
             FIXED => zero,
@@ -71,23 +73,21 @@ impl System {
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 loads.fluid += interpolated(s) * stretch(s, self.layers[0].tissue.consistent) * w;
             }
-            if let Some(rough) = rough {
-                for (a, share) in SIMPSON.into_iter().enumerate() {
-                    let (s, i) = (a as f64 - 1.0, first + a);
-                    let gap = (at.gap(self, i), self.gap_change(change, i));
-                    let weight = stretch(s, true) * (2.0 * share);
-                    let solid = chain(rough.pressure(gap.0), gap.1) * weight;
-                    let fluid = interpolated(s) * weight;
-                    let share = chain(rough.real_contact_share(gap.0), gap.1);
-                    loads.solid += solid;
-                    loads.fluid_in_contact += share * fluid;
-                    loads.in_real_contact += share * (solid + fluid);
-                }
+            for (a, share) in SIMPSON.into_iter().enumerate() {
+                let (s, i) = (a as f64 - 1.0, first + a);
+                let gap = (at.gap(self, i), self.gap_change(change, i));
+                let weight = stretch(s, true) * (2.0 * share);
+                let solid = chain(law.pressure(gap.0), gap.1) * weight;
+                let fluid = interpolated(s) * weight;
+                let share = chain(law.real_contact_share(gap.0), gap.1);
+                loads.solid += solid;
+                loads.fluid_in_contact += share * fluid;
+                loads.in_real_contact += share * (solid + fluid);
             }
         }
-        if rough.is_none() {
-            let forces = at.contact_forces.iter().zip(&change.contact_forces).zip(at.active);
-            loads.solid = forces.filter(|(_, active)| **active).map(|((f, df), _)| Dual64::new(*f, *df)).sum();
+        let forces = at.contact_forces.iter().zip(&change.contact_forces).zip(at.active);
+        for ((force, change), _) in forces.filter(|(_, active)| **active) {
+            loads.solid += Dual64::new(*force, *change);
         }
         loads
     }
@@ -146,13 +146,13 @@ impl System {
     pub fn resultant(&self, at: At<'_>, change: &Change) -> Resultant {
         let zero = Dual64::from(0.0);
         let mut sum = Resultant { on_slopes: zero, moment: zero, rubbing_height: zero };
-        let (rough, levels) = (self.roughness(), self.layers[0].mesh.levels());
+        let (law, levels) = (self.contact_law(), self.layers[0].mesh.levels());
         let height = self.mean_height(at, change);
         let value = |number: u32| match number {
             FIXED => zero,
             number => Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]),
         };
-        let deforms = self.layers[0].tissue.consistent || rough.is_some();
+        let deforms = self.layers[0].tissue.consistent || self.roughness().is_some();
         // Places of the surface nodes of a body.
         let places = |body: usize, i: usize| -> [Dual64; 2] {
             let layer = &self.layers[body];
@@ -189,13 +189,12 @@ impl System {
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 press(s, dot(pressure(order, s), &fluid) * w);
             }
-            let Some(rough) = rough else { continue };
             for (a, simpson) in SIMPSON.into_iter().enumerate() {
                 let s = a as f64 - 1.0;
                 let gap = (at.gap(self, first + a), self.gap_change(change, first + a));
-                let solid = chain(rough.pressure(gap.0), gap.1) * (2.0 * simpson);
+                let solid = chain(law.pressure(gap.0), gap.1) * (2.0 * simpson);
                 press(s, solid);
-                let real = chain(rough.real_contact_share(gap.0), gap.1);
+                let real = chain(law.real_contact_share(gap.0), gap.1);
                 let rubbing =
                     solid + real * dot(pressure(order, s), &fluid) * (2.0 * simpson * self.parameters.solid_fraction);
                 for [x, _] in &bodies {
@@ -203,13 +202,11 @@ impl System {
                 }
             }
         }
-        if rough.is_none() {
-            for i in (0..self.stations.len()).filter(|i| at.active[*i]) {
-                let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
-                let place = (0..self.layers.len()).map(|body| places(body, i)[0] * share).sum::<Dual64>();
-                sum.moment += force * place;
-                sum.rubbing_height += force * height[i];
-            }
+        for i in (0..self.stations.len()).filter(|i| at.active[*i]) {
+            let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
+            let place = (0..self.layers.len()).map(|body| places(body, i)[0] * share).sum::<Dual64>();
+            sum.moment += force * place;
+            sum.rubbing_height += force * height[i];
         }
         sum
     }

@@ -1,17 +1,19 @@
 //! The discrete system: two poroelastic layers, the film between them and their contact, as one set of equations.
 
 mod load;
+mod problem;
 mod residual;
 mod tangent;
 mod transfer;
 mod update;
 
 pub use load::Loads;
+pub use problem::{Place, Point, Slope, Task};
 pub use tangent::{At, Cause, Change, Direction};
 
 use serde::{Deserialize, Serialize};
 
-use crate::equations::contact::{RoughContact, SmoothContact};
+use crate::equations::contact::{Contact, ContactLaw};
 use crate::equations::film::{self, Film, MassRate};
 use crate::equations::film_end::{FilmEnd, Outflow};
 use crate::equations::grid::{self, Grid};
@@ -27,6 +29,7 @@ use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
 use crate::laws::{FluidLaw, Formulation, PermeabilityLaw, SolidLaw, darcy};
 use crate::parameters::{Body, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
+use problem::{Posed, Tangent};
 
 /// One body: its mesh and its material.
 #[derive(Debug)]
@@ -119,6 +122,8 @@ pub struct System {
     /// Height of the levels above the bone, as a share of the thickness, of each body.
     height: Vec<Vec<f64>>,
     linear: Multifrontal,
+    tangent: Tangent,
+    posed: Posed,
 }
 
 /// Residual at some unknowns, and the contact forces that go with it.
@@ -298,6 +303,8 @@ impl System {
             height,
             layout,
             linear,
+            tangent: Tangent::default(),
+            posed: Posed::default(),
         };
         system.take_interface(grid);
         system
@@ -365,18 +372,26 @@ impl System {
         Surface::new(self.part(&self.layers[body]), self.layers.len() == 2)
     }
 
-    /// Contact of smooth surfaces, at the stations.
-    fn smooth_contact(&self) -> SmoothContact {
-        SmoothContact { stiffness: self.contact_stiffness, modulus: self.stress_scale }
+    /// How gap and pressure of the solids go together.
+    pub fn contact_law(&self) -> ContactLaw {
+        match self.roughness() {
+            Some(roughness) => ContactLaw::Rough(*roughness),
+            None => ContactLaw::Smooth { stiffness: self.contact_stiffness, modulus: self.stress_scale },
+        }
     }
 
-    /// Contact of rough surfaces, which is part of the elements; that of smooth ones is the active set.
-    fn rough_contact(&self, inputs: &Inputs) -> Option<RoughContact> {
-        self.roughness().map(|roughness| RoughContact {
-            roughness: *roughness,
-            friction: self.friction(inputs).0,
+    /// Contact at these speeds. A mirrored pair has no boundary friction on the tissue: it would break the symmetry.
+    fn contact(&self, inputs: &Inputs) -> Contact {
+        let (friction, friction_by_speeds) = match self.mirrored() {
+            true => (0.0, [0.0; 2]),
+            false => boundary_friction_with_slopes(&self.parameters, inputs),
+        };
+        Contact {
+            law: self.contact_law(),
+            friction,
+            friction_by_speeds,
             solid_fraction: self.parameters.solid_fraction,
-        })
+        }
     }
 
     /// Distances of the surfaces at the nodes of an element of the first row.

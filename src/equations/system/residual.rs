@@ -1,6 +1,6 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
-use super::{Contents, Rates, Residual, System, boundary_friction_with_slopes, moves, surface_speeds};
+use super::{Contents, Rates, Residual, System, moves, surface_speeds};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
@@ -87,7 +87,7 @@ impl System {
     ) -> Result<(), Inverted> {
         values.fill(0.0);
         let speeds = surface_speeds(inputs);
-        let contact = self.rough_contact(inputs);
+        let contact = self.contact(inputs);
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -100,7 +100,7 @@ impl System {
                     let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
                     tissue::surface_pressure(&layer.mesh, element, layer.side, &at, terms);
                 }
-                if let (Some(contact), true) = (&contact, element.is_multiple_of(layer.mesh.rows)) {
+                if element.is_multiple_of(layer.mesh.rows) {
                     let terms = ContactTerms { residual: Some(&mut local), ..ContactTerms::default() };
                     contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
                 }
@@ -128,16 +128,11 @@ impl System {
         Ok(())
     }
 
-    /// A mirrored pair has no boundary friction on the tissue: it would break the symmetry.
-    pub(super) fn friction(&self, inputs: &Inputs) -> (f64, [f64; 2]) {
-        if self.mirrored() { (0.0, [0.0; 2]) } else { boundary_friction_with_slopes(&self.parameters, inputs) }
-    }
-
     /// Residual at these unknowns, with the active set renewed from it. Returns whether the set changed.
     ///
     /// # Errors
     /// [`Inverted`] where an element is turned inside out.
-    pub fn residual(
+    pub fn residual_at(
         &self,
         unknowns: &[f64],
         active: &mut [bool],
@@ -149,22 +144,20 @@ impl System {
         values.resize(self.unknowns(), 0.0);
         contact_forces.resize(self.stations.len(), 0.0);
         self.raw_residual(unknowns, inputs, rates, values)?;
+        let contact = self.contact(inputs);
         let mut changed = false;
-        // Contact of rough surfaces is in the residual already.
-        let smooth = if self.roughness().is_none() { active.len() } else { 0 };
-        for (i, active) in active[..smooth].iter_mut().enumerate() {
+        for (i, active) in active.iter_mut().enumerate() {
             let gap = self.layout.gap[i] as usize;
             contact_forces[i] = self.copies() * values[gap];
-            let pressure = if *active { contact_forces[i] / self.weights[i] } else { 0.0 };
-            let now = self.smooth_contact().touches(*active, pressure, unknowns[gap]);
+            let multiplier = if *active { contact_forces[i] / self.weights[i] } else { 0.0 };
+            let now = contact.law.is_active(*active, multiplier, unknowns[gap]);
             changed |= now != *active;
             *active = now;
         }
-        let (share, _) = self.friction(inputs);
         for i in (0..active.len()).filter(|i| active[*i]) {
             let gap = self.layout.gap[i] as usize;
-            self.add_friction(i, share * contact_forces[i], values);
-            values[gap] = self.layout.gap_uses[i] * self.smooth_contact().closed(unknowns[gap]).0;
+            self.add_friction(i, contact.friction * contact_forces[i], values);
+            values[gap] = self.layout.gap_uses[i] * contact.law.condition(unknowns[gap]).0;
         }
         for i in (0..active.len()).filter(|i| self.layout.void[*i] != FIXED) {
             let [pressure, void] = self.pressure_and_void(i, unknowns);

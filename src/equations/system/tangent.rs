@@ -112,7 +112,7 @@ impl System {
     ///
     /// # Errors
     /// [`Singular`] where elimination breaks down.
-    pub fn factorise(
+    pub fn factorise_at(
         &mut self,
         unknowns: &[f64],
         active: &[bool],
@@ -143,7 +143,6 @@ impl System {
         body: usize,
         element: usize,
         at: &Local,
-        unknowns: &[f64],
         inputs: &Inputs,
         rates: Option<&Rates>,
     ) -> [f64; LOCAL * LOCAL] {
@@ -160,11 +159,6 @@ impl System {
         if element.is_multiple_of(layer.mesh.rows) && layer.tissue.consistent {
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
             tissue::surface_pressure(&layer.mesh, element, layer.side, at, terms);
-        }
-        if let (Some(contact), true) = (self.rough_contact(inputs), element.is_multiple_of(layer.mesh.rows)) {
-            let mut by_gap = [[0.0; LOCAL]; 3];
-            let terms = ContactTerms { tangent: Some((&mut tangent, &mut by_gap)), ..ContactTerms::default() };
-            contact.element(&layer.mesh, element, layer.side, at, self.gaps(element, unknowns), terms);
         }
         if layer.tissue.consistent {
             let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
@@ -209,39 +203,40 @@ impl System {
         let (body, element) = self.layout.body_and_element(cell);
         let layer = &self.layers[body];
         let at = self.local(body, element, unknowns, inputs.penetration_depth);
-        let tangent = self.element_tangent(body, element, &at, unknowns, inputs, rates);
+        let mut tangent = self.element_tangent(body, element, &at, inputs, rates);
+        let contact = self.contact(inputs);
+        let on_surface = element.is_multiple_of(layer.mesh.rows);
+        let mut by_gap = [[0.0; LOCAL]; 3];
+        if on_surface {
+            let terms = ContactTerms { tangent: Some((&mut tangent, &mut by_gap)), ..ContactTerms::default() };
+            contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
+        }
         let m = self.layout.cells[cell].len();
         for (column, values) in tangent.chunks_exact(LOCAL).enumerate() {
             matrix[column * m..column * m + LOCAL].copy_from_slice(values);
         }
-        if element % layer.mesh.rows != 0 {
+        if !on_surface {
             return;
         }
         let column = element / layer.mesh.rows;
         let two_bodies = self.layers.len() == 2;
         let surface = self.surface(body);
         surface.transform_columns(matrix, m);
-        if let Some(contact) = self.rough_contact(inputs) {
-            let (mut by_local, mut by_gap) = ([0.0; LOCAL * LOCAL], [[0.0; LOCAL]; 3]);
-            let terms = ContactTerms { tangent: Some((&mut by_local, &mut by_gap)), ..ContactTerms::default() };
-            contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
-            for (a, values) in by_gap.iter().enumerate() {
-                let column = &mut matrix[(NODES + a) * m..][..LOCAL];
-                column.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
-            }
+        for (a, values) in by_gap.iter().enumerate() {
+            let column = &mut matrix[(NODES + a) * m..][..LOCAL];
+            column.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         }
         // Rows, then friction and the condition of contact.
-        let (share, _) = self.friction(inputs);
         for j in 0..m {
             let values = &mut matrix[j * m..(j + 1) * m];
             surface.transform_rows(values);
             for a in (0..3).filter(|a| active[2 * column + a]) {
                 if two_bodies {
-                    let force = layer.side * share * values[NODES + a];
+                    let force = layer.side * contact.friction * values[NODES + a];
                     values[a] += force;
                     values[LOCAL + 3 + a] -= force;
                 }
-                values[NODES + a] = if j == NODES + a { self.smooth_contact().closed(0.0).1 } else { 0.0 };
+                values[NODES + a] = if j == NODES + a { contact.law.condition(0.0).1 } else { 0.0 };
             }
         }
         if body == 0 {
@@ -297,12 +292,12 @@ impl System {
             if let Some(history) = &cause.history {
                 self.add_storage(at.unknowns, at.inputs, history, values);
             }
-            let (share, slopes) = self.friction(at.inputs);
+            let contact = self.contact(at.inputs);
             let speeds = direction.surface_speeds(at.inputs);
             for i in (0..at.active.len()).filter(|i| at.active[*i]) {
                 let gap = self.layout.gap[i] as usize;
-                let change = share * self.copies() * values[gap]
-                    + (slopes[0] * speeds[0] + slopes[1] * speeds[1]) * at.contact_forces[i];
+                let change = contact.friction * self.copies() * values[gap]
+                    + contact.friction_change(speeds) * at.contact_forces[i];
                 self.add_friction(i, change, values);
                 values[gap] = 0.0;
             }
@@ -331,7 +326,7 @@ impl System {
                 let local_change = self.local_change(body, element, change, penetration_depth);
                 let mut local = [0.0; LOCAL];
                 add_product(
-                    &self.element_tangent(body, element, &local_at, at.unknowns, at.inputs, None),
+                    &self.element_tangent(body, element, &local_at, at.inputs, None),
                     &local_change,
                     &mut local,
                 );
@@ -363,13 +358,12 @@ impl System {
         let At { unknowns, inputs, rates, .. } = at;
         let speeds = direction.surface_speeds(inputs);
         let none = vec![0.0; self.unknowns()];
-        let (_, slopes) = self.friction(inputs);
-        let friction_change = slopes[0] * speeds[0] + slopes[1] * speeds[1];
-        let contact = self.rough_contact(inputs).filter(|_| friction_change != 0.0);
+        let contact = self.contact(inputs);
+        let friction_change = contact.friction_change(speeds);
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
                 // Rubbing surfaces feel both speeds.
-                if let (Some(contact), true) = (&contact, element % layer.mesh.rows == 0) {
+                if friction_change != 0.0 && element.is_multiple_of(layer.mesh.rows) {
                     let at = self.local(body, element, unknowns, inputs.penetration_depth);
                     let mut local = [0.0; LOCAL];
                     let terms = ContactTerms { by_friction: Some(&mut local), ..ContactTerms::default() };
@@ -386,11 +380,7 @@ impl System {
                     self.element_by_speed(body, element, &local_at, inputs, rates).map(|v| v * speeds[body]);
                 if at_bone {
                     let change = self.local_change(body, element, &none, direction.penetration_depth);
-                    add_product(
-                        &self.element_tangent(body, element, &local_at, unknowns, inputs, rates),
-                        &change,
-                        &mut local,
-                    );
+                    add_product(&self.element_tangent(body, element, &local_at, inputs, rates), &change, &mut local);
                 }
                 self.scatter(body, element, &local, values);
             }

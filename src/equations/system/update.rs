@@ -59,14 +59,13 @@ impl System {
         }
     }
 
-    /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes to no less than a tenth
-    /// and opens to no more than three times what it was (0.4 and 2 of rough surfaces): its conductance goes with the cube of it, so that a tangent says nothing
-    /// about larger changes. Rough surfaces close to where they press as the tangent says: their pressure rises exponentially, and their
-    /// distance by the tangent would be far too small. The tissue below follows, less and less towards the bone, so that no element is turned inside out.
+    /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes and opens within the limits of
+    /// [`crate::equations::contact::ContactLaw`]. The tissue below follows, less and less towards the bone, so that no element is
+    /// turned inside out.
     pub fn apply(&self, unknowns: &mut [f64], update: &[f64], active: &[bool]) {
         let thin = THIN_FILM * self.thickness;
-        // Where smooth surfaces touch, the active set takes over what rough ones have to find in smaller steps.
-        let [closing, opening] = if self.roughness().is_some() { [0.4, 2.0] } else { [0.1, 3.0] };
+        let contact = self.contact_law();
+        let [closing, opening] = contact.film_limits();
         let levels = self.layers[0].mesh.levels();
         let film = self.layout.pressure[0].iter().step_by(levels).filter(|number| **number != FIXED);
         let largest = film.map(|number| unknowns[*number as usize].abs()).fold(1e-3 * self.stress_scale, f64::max);
@@ -74,12 +73,8 @@ impl System {
         unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
         for (station, before) in gaps.into_iter().enumerate() {
             let gap = &mut unknowns[self.layout.gap[station] as usize];
-            let mut smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { closing * before };
-            if let Some(rough) = self.roughness() {
-                let (pressure, slope) = rough.pressure(before);
-                let meant = pressure + slope * (*gap - before);
-                smallest = smallest.max(rough.gap_at(meant.max(UNFORESEEN * largest)).min(before));
-            }
+            let smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { closing * before };
+            let smallest = smallest.max(contact.least_gap(before, *gap, UNFORESEEN * largest));
             let limited = gap.min((opening * before).max(5.0 * thin)).max(smallest);
             let correction = limited - *gap;
             *gap = limited;
