@@ -27,10 +27,39 @@ fn curvature(parameters: &Parameters) -> f64 {
     parameters.upper.curvature() + parameters.lower.curvature()
 }
 
-/// delta R/a^2 = d/(c a^2) with the sum of curvatures c, of the table for Poisson's ratio 1/2 at a/t = 1, 2, 4, within 2 %; 1/6 is the
-/// limit of a thin layer. The depth d at which the contact's half-width is a \[m\].
+/// Distance of the undeformed surfaces at first touch \[m\].
+fn touching_gap(parameters: &Parameters, x: f64) -> f64 {
+    let height = |body: &Body| {
+        let sine = x * body.curvature();
+        x * sine / (1.0 + (1.0 - sine * sine).sqrt())
+    };
+    height(&parameters.upper) + height(&parameters.lower)
+}
+
+/// c a^2 of the parabola that has the gap of the two circles at x = a \[m\]: what parabolas of curvature c carry, circles do about as well.
+/// Where the surfaces between which the layers are pressed are steep, an approach d closes only d cos of what it does in the middle.
+/// Beyond the end of a circle it goes on growing.
+fn curved(parameters: &Parameters, a: f64) -> f64 {
+    let inside = a.min(LARGEST_ANGLE.sin() * radius(parameters));
+    let flat = 2.0 * touching_gap(parameters, inside) * (a / inside).powi(2);
+    let sine = 0.5 * (parameters.upper.curvature() - parameters.lower.curvature()) * inside;
+    flat / (1.0 - 2.0 * (1.0 - (1.0 - sine * sine).sqrt()) * relative_indentation(parameters, a))
+}
+
+/// d/(c a^2), with the depth d at which the half-width is a and the sum of curvatures c, of the table for Poisson's ratio 1/2 at a/t = 1, 2,
+/// 4, within 2 %; 1/6 is the limit of a thin layer.
+fn relative_indentation(parameters: &Parameters, a: f64) -> f64 {
+    1.0 / 6.0 + 0.27 * (thickness(parameters) / a).powf(0.74)
+}
+
+/// Of the more curved of the two surfaces \[m\].
+fn radius(parameters: &Parameters) -> f64 {
+    1.0 / parameters.upper.curvature().abs().max(parameters.lower.curvature().abs())
+}
+
+/// The depth at which the contact's half-width is a \[m\].
 fn indentation(parameters: &Parameters, a: f64) -> f64 {
-    curvature(parameters) * a * a * (1.0 / 6.0 + 0.27 * (thickness(parameters) / a).powf(0.74))
+    curved(parameters, a) * relative_indentation(parameters, a)
 }
 
 /// Half-width at which a load \[N/m\] is carried: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
@@ -40,7 +69,7 @@ fn half_width_under(parameters: &Parameters, load: f64) -> f64 {
     let modulus = 2.0 / (1.0 / parameters.upper.mean_shear_modulus() + lower);
     let carried = |a: f64| {
         let ratio = a / thickness(parameters);
-        0.5 * curvature(parameters) * modulus * a * a * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
+        0.5 * curved(parameters, a) * modulus * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
     };
     root(carried, load.max(0.0))
 }
@@ -101,7 +130,7 @@ fn root(f: impl Fn(f64) -> f64, value: f64) -> f64 {
 pub fn half_width(parameters: &Parameters, contact: f64) -> f64 {
     /// Beyond the contact, in its half-widths and in thicknesses.
     const BEYOND: [f64; 2] = [1.0, 6.0];
-    let radius = 1.0 / parameters.upper.curvature().abs().max(parameters.lower.curvature().abs());
+    let radius = radius(parameters);
     if parameters.sector_half_angle > 0.0 {
         return radius * parameters.sector_half_angle.sin();
     }
@@ -180,11 +209,6 @@ impl Grid {
             let grading = if by_contact { row_grading(p, body, rows) } else { p.mesh.row_grading };
             quadratic_stations(rows as usize, |j| graded(j as f64 / f64::from(rows), grading))
         });
-        let height = |body: &Body, x: f64| {
-            let sine = x * body.curvature();
-            x * sine / (1.0 + (1.0 - sine * sine).sqrt())
-        };
-        let touching = |x: &f64| height(&p.upper, *x) + height(&p.lower, *x);
-        Self { touching_gap: stations.iter().map(touching).collect(), stations, depths }
+        Self { touching_gap: stations.iter().map(|x| touching_gap(p, *x)).collect(), stations, depths }
     }
 }

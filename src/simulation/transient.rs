@@ -18,6 +18,8 @@ use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
 
 /// Most Newton iterations of a stage; where it takes more, a shorter step is the better way.
 const ITERATIONS: usize = 12;
+/// Most of them with an update larger than the unknowns.
+const LARGE_UPDATES: usize = 3;
 /// Internal steps are no shorter than the communication step over two to this power.
 const HALVINGS: i32 = 24;
 /// Most internal steps of a communication step, tried and taken: a host tool must not wait for ever.
@@ -195,7 +197,7 @@ impl<'a> Walker<'a> {
             tolerance: parameters.tolerance,
             maximum_iterations: ITERATIONS,
             patience: PATIENCE,
-            most_large: ITERATIONS,
+            most_large: LARGE_UPDATES,
             deadline: bodies.deadline,
         };
         let kept = self.kept.as_ref().map(|place| (place, Foreseen::default()));
