@@ -371,7 +371,7 @@ fn reduce_packs_a_model_and_says_how_good_it_is() {
 #[test]
 fn gait_repeats_and_keeps_its_film_where_sliding_turns() {
     let folder = tempfile::tempdir().unwrap();
-    let output = run_in(folder.path(), "gait --set mesh.columns=16 --set mesh.rows=2 --steps 40");
+    let output = run_in(folder.path(), "gait --peak-load 25 --set mesh.columns=16 --set mesh.rows=2 --steps 40");
     let text = out(&output);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(text.contains("Periodic: cycle ") && text.contains("| largest load [N/m] | 25 | 25 |"), "{text}");

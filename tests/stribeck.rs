@@ -179,7 +179,7 @@ fn one_run_writes_to_a_folder_at_a_time() {
     }
     for other in [
         format!("stribeck {COARSE} --depths 0 --fresh --output {output}"),
-        format!("gait {COARSE} --steps 4 --output {output}"),
+        format!("gait --peak-load 25 {COARSE} --steps 4 --output {output}"),
         format!("sensitivity {COARSE} --output {output}"),
     ] {
         assert!(refused(&other, 1).contains("another process is writing to this folder"), "{other}");
@@ -269,7 +269,7 @@ fn a_full_disk_is_said_at_the_first_row_that_does_not_fit() {
 
     // What is replaced whole stays as it was.
     let gait = format!(
-        "gait --set=mesh.columns=8 --set=mesh.rows=1 --steps 16 --cycles 1 --output {}",
+        "gait --peak-load 25 --set=mesh.columns=8 --set=mesh.rows=1 --steps 16 --cycles 1 --output {}",
         folder.path().display()
     );
     done(&gait);
@@ -466,7 +466,7 @@ const SMALL: &str = "--set=mesh.columns=12 --set=mesh.rows=1";
 
 /// The other commands that write: their last argument is the longest time until they are killed \[ms\].
 fn kill_others(times: u64) {
-    kill(&format!("gait {SMALL} --steps 16 --cycles 1"), 1500, times);
+    kill(&format!("gait --peak-load 25 {SMALL} --steps 16 --cycles 1"), 1500, times);
     kill(&format!("sensitivity {SMALL}"), 1500, times);
     kill(&format!("reduce {SMALL} --depths=-9e-6:-8e-6 --speeds 0.1:0.2 --threads 1"), 1500, times);
 }

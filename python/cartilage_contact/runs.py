@@ -318,7 +318,7 @@ def gait(
     history: Union[str, Path, Mapping[str, Sequence[float]], None] = None,
     peak_load: Optional[float] = None,
     body_weight: Optional[float] = None,
-    steps: int = 200,
+    steps: int = 100,
     cycles: int = 10,
     progress: bool = False,
     **values: Any,
@@ -334,9 +334,9 @@ def gait(
     history
         One cycle of your own: a CSV or OpenSim file, or columns ``time`` [s], ``sliding_speed`` [m/s] and ``applied_load`` [N/m].
     peak_load
-        Largest load of the stylised cycle per unit depth [N/m].
+        Largest load of the stylised cycle per unit depth [N/m], in place of a body weight.
     body_weight
-        Body weight [N], in place of ``peak_load``.
+        Body weight [N]; 750 unless given. The case is then the joint "hip" unless one is named.
     steps
         Communication steps a cycle.
     cycles

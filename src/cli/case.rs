@@ -17,7 +17,7 @@ const JOINTS: [(&str, &str); 3] = [
 ];
 
 /// Where the case comes from.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct CaseArguments {
     /// Parameters of a tissue to start from; `cartilage-contact presets` lists their values and sources
     #[arg(long, value_name = "NAME", value_parser = preset_names())]
@@ -38,6 +38,12 @@ pub struct CaseArguments {
 }
 
 impl CaseArguments {
+    /// With this joint where nothing says which tissue or joint.
+    pub fn or_joint(&self, name: &str) -> Self {
+        let open = self.preset.is_none() && self.joint.is_none() && self.case.is_none();
+        Self { joint: if open { Some(name.into()) } else { self.joint.clone() }, ..self.clone() }
+    }
+
     /// The preset, then the joint or the case file, then what was set.
     pub fn load(&self) -> Result<Case, Failure> {
         let joint = JOINTS.into_iter().find(|(name, _)| self.joint.as_deref() == Some(*name));

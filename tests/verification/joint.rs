@@ -409,7 +409,8 @@ fn a_mesh_that_moves_carries_nothing_along() {
         ..rough(0.3e-6)
     };
     let pressed = |parameters: &Parameters, ratio: f64| {
-        let parameters = Parameters { time_integration: TimeIntegration::Transient, ..*parameters };
+        let parameters =
+            Parameters { time_integration: TimeIntegration::Transient, relative_tolerance: 1e-3, ..*parameters };
         let mut simulation = Simulation::new(&parameters).unwrap();
         let mut found = Vec::new();
         const STEP: f64 = 2.5e-3;

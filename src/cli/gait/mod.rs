@@ -20,14 +20,16 @@ use super::{Failure, figures, format, print};
 
 const EXAMPLES: &str = "\
 Without --history the cycle is a stylised hip: 1.1 s, two peaks of load of 2.38 and 2.1 body weights, 40 degrees of flexion out and back. \
-Its load is scaled to --peak-load, or is that of --body-weight over the width of the case. A history is a CSV or an OpenSim .sto file of one \
+Its load is that of --body-weight over the width of the case, and the case is --joint hip unless one is named; or it is scaled to --peak-load, \
+for tissue as soft as the paper's. A history is a CSV or an OpenSim .sto file of one \
 cycle with columns time [s], sliding_speed [m/s], and applied_load [N/m] or force [N]. The case's own time_integration, control and \
 inputs of load, depth and speed are not used. The folder gets gait.csv (one row a communication point) and a picture.
 
 Examples:
   cartilage-contact gait
-  cartilage-contact gait --preset human_normal --set mesh.columns=240 --set mesh.rows=8 --steps 100
-  cartilage-contact gait --body-weight 750 --set width=20
+  cartilage-contact gait --body-weight 900 --set slide_to_roll_ratio=1
+  cartilage-contact gait --joint knee --body-weight 600
+  cartilage-contact gait --peak-load 25 --steps 200
   cartilage-contact gait --history walk.sto --set width=0.02 --cycles 5";
 
 /// A walking cycle under load control: in time until it repeats, beside quasi-steady.
@@ -37,11 +39,11 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Largest load per unit depth of the stylised cycle \[N/m\]; 25 by default
+    /// Largest load per unit depth of the stylised cycle \[N/m\], in place of a body weight
     #[arg(long, value_name = "LOAD", conflicts_with_all = ["body_weight", "history"])]
     peak_load: Option<f64>,
 
-    /// Body weight \[N\]: the load is the hip's over the width of the case
+    /// Body weight \[N\]: the load is the hip's over the width of the case; 750 by default
     #[arg(long, value_name = "FORCE", conflicts_with = "history")]
     body_weight: Option<f64>,
 
@@ -54,7 +56,7 @@ pub struct Arguments {
     history: Option<PathBuf>,
 
     /// Communication steps a cycle; load and speed are linear within them
-    #[arg(long, value_name = "COUNT", default_value_t = 200, value_parser = clap::value_parser!(u32).range(4..=100_000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u32).range(4..=100_000))]
     steps: u32,
 
     /// Most cycles in time
@@ -79,7 +81,10 @@ struct Transient {
 
 /// Solves, writes table and picture, prints what came out.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let case = arguments.case.load()?;
+    let case = match arguments.peak_load.is_none() && arguments.history.is_none() {
+        true => arguments.case.or_joint("hip").load()?,
+        false => arguments.case.load()?,
+    };
     let parameters = Parameters { control: Control::Load, ..case.parameters };
     let positive = |flag: &str, value: f64, unit: &str| match value.is_finite() && value > 0.0 {
         true => Ok(value),
@@ -90,9 +95,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let cycle = match &arguments.history {
         Some(path) => Cycle::read(path, parameters.width, steps).map_err(|error| Failure::Usage(error.to_string()))?,
         None => {
-            let load = match arguments.body_weight {
-                Some(weight) => positive("--body-weight", weight, "N")? / parameters.width,
-                None => positive("--peak-load", arguments.peak_load.unwrap_or(25.0), "N/m")? / PEAK,
+            let load = match arguments.peak_load {
+                Some(load) => positive("--peak-load", load, "N/m")? / PEAK,
+                None => positive("--body-weight", arguments.body_weight.unwrap_or(750.0), "N")? / parameters.width,
             };
             let radius = positive("--joint-radius", arguments.joint_radius.unwrap_or(0.024), "m")?;
             Cycle::stylised(load, radius, steps)
