@@ -55,7 +55,7 @@ pub struct InterfaceFields {
     pub film_thickness: Vec<f64>,
     /// Fluid pressure p, above ambient \[Pa\].
     pub fluid_pressure: Vec<f64>,
-    /// How much of the film thickness is void; zero unless the film may tear. More than the film where void has entered the tissue's
+    /// How much of the film thickness is void; zero unless the film may cavitate. More than the film where void has entered the tissue's
     /// pores \[m\].
     pub void_thickness: Vec<f64>,
     /// Pressure of solid on solid p_c, the normal stress S_n of the solid at the surface \[Pa\].
@@ -153,7 +153,7 @@ impl Solution<'_> {
             ..BodyFields::default()
         };
         // Gradients jump between elements: their mean is the better value at a node.
-        let mut uses = vec![0.0; nodes];
+        let mut multiplicity = vec![0.0; nodes];
         let mut strains = vec![Matrix2::zeros(); nodes];
         let mut slopes = vec![Vector2::zeros(); nodes];
         for element in 0..mesh.elements() {
@@ -165,18 +165,18 @@ impl Solution<'_> {
                 fields.fluid_pressure[node] = dot(&pressure_shape(mesh.pressure_order, s, t), &at[2 * NODES..]);
                 strains[node] += strain;
                 slopes[node] += slope;
-                uses[node] += 1.0;
+                multiplicity[node] += 1.0;
             }
             let volumes = (0..POINTS).map(|point| Tissue::strain(mesh, element, point, &at).volume_ratio());
             let weights = mesh.points(element).iter().map(|point| point.weight);
             let (volume, area) = volumes.zip(weights).fold((0.0, 0.0), |(v, a), (j, w)| (v + j * w, a + w));
             fields.volume_ratio.push(volume / area);
         }
-        for (node, ((strain, slope), uses)) in strains.into_iter().zip(slopes).zip(uses).enumerate() {
+        for (node, ((strain, slope), multiplicity)) in strains.into_iter().zip(slopes).zip(multiplicity).enumerate() {
             let tissue = layer.tissue.at_depth(mesh.depths[node % mesh.levels()]);
-            let strain = Strain::new(strain / uses);
+            let strain = Strain::new(strain / multiplicity);
             let mobility = tissue.mobility_at(&strain, &mesh.along(node)).0;
-            let reference = -(mobility.conductance(&strain, tissue.consistent) * (slope / uses));
+            let reference = -(mobility.conductance(&strain, tissue.consistent) * (slope / multiplicity));
             let flux = match tissue.consistent {
                 // Piola's transformation: what crosses a deformed area is F Q / J.
                 true => (Matrix2::identity() + strain.gradient) * reference / strain.volume_ratio(),

@@ -37,17 +37,23 @@
 //!
 //! # The way of a number
 //!
+//! `penetration_depth` through an FMU, from `fmi2SetReal` to `load`:
+//!
 //! ```text
-//! case file or FMU variable -> parameters::Parameters, parameters::Inputs
-//!   -> simulation::Simulation::solve_steady         steps along the way from the present inputs (solver::continuation)
-//!                ::advance                      or in time (solver::runge_kutta)
-//!     -> solver::newton::solve                      on equations::system::System, with the active set of contact
-//!       -> equations::{tissue, film}                weak forms: residual and tangent of an element
-//!         -> laws::{solid, darcy, film, contact}         formulas and their derivatives at a point
-//!       -> solver::linear::Multifrontal             eliminates
-//!   -> outputs::Outputs                             and its derivatives by the inputs
-//!   -> variables::VARIABLES                         names, units and references: command line, CSV, fmi
+//! fmi2SetReal -> fmi::instance::Instance::set_real   its row of variables::VARIABLES says where in parameters::Inputs
+//! fmi2DoStep -> Instance::do_step -> fmi::model::Model::advance
+//!   -> simulation::Simulation::advance            in time (simulation::transient, solver::runge_kutta),
+//!                ::solve_steady                   or to the steady state (simulation::steady, solver::continuation)
+//!     -> equations::system::System::settle        Newton's method (solver::newton) on the system, with the active set of contact
+//!       -> equations::{tissue, film, contact}     weak forms: residual and tangent of an element
+//!         -> laws::{solid, darcy, film, contact}  formulas and their derivatives at a point
+//!       -> equations::load                        the balance of a given load, whose unknown is the depth
+//!       -> solver::linear::Multifrontal           eliminates
+//!   -> outputs::Outputs                           from the solution, and its derivatives with respect to the inputs
+//! fmi2GetReal -> Instance::get_real               the row of load in variables::VARIABLES
 //! ```
+//!
+//! Case files and the command line name the same rows, and drive the same `simulation::Simulation`.
 //!
 //! # One state
 //!

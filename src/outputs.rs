@@ -192,7 +192,7 @@ impl Solved<'_> {
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let (gap, gradient) = (local(&gap, quadratic(s)), local(&pressure, quadratic_derivative(s)) / half);
                 let [with_pressure, with_walls] = system.film().wall_shear(gap, gradient, difference);
-                // Void drags nothing. Its jumps at the ends of the torn film make a parabola overshoot; straight lines do not.
+                // Void drags nothing. Its jumps at the ends of the cavitated film make a parabola overshoot; straight lines do not.
                 let full = -local(&void_share, linear(s)) + 1.0;
                 let shear = with_walls * full * (half * w);
                 rolling += with_pressure * (half * w);
@@ -262,15 +262,15 @@ impl Solved<'_> {
             };
         }
 
-        let torn = system.torn(&self.at);
-        let torn = (1..gap.len() - 1).filter(|i| torn[*i]);
+        let cavitated = system.cavitated(&self.at);
+        let cavitated = (1..gap.len() - 1).filter(|i| cavitated[*i]);
         let length_at = |i: usize| 0.5 * (system.stations[i + 1] - system.stations[i - 1]);
-        let cavitated_length = torn.fold(0.0, |sum, i| sum + length_at(i));
+        let cavitated_length = cavitated.fold(0.0, |sum, i| sum + length_at(i));
 
         let outflow = system.film_outflow(self.at, change);
         let outflow = outflow.iter().map(|v| Dual64::new(v[0], v[1]));
 
-        // A film that may tear has its pressure in straight lines from node to node.
+        // A film that may cavitate has its pressure in straight lines from node to node.
         let least_pressure = match p.cavitation {
             true => pressure.iter().fold(pressure[0], |a, b| if b.re < a.re { *b } else { a }),
             false => extremum(&pressure, &system.stations, -1.0).0,
@@ -391,7 +391,7 @@ fn largest([upper, lower]: [Dual64; 2]) -> Dual64 {
     (magnitude(upper - lower) + magnitude(upper + lower)) * 0.5
 }
 
-/// A share of a load or a ratio to it; 0 without load, where suction holds the bodies or nothing does.
+/// A fraction of a load or a ratio to it; 0 without load, where suction holds the bodies or nothing does.
 fn ratio_of(a: Dual64, load: Dual64) -> Dual64 {
     if load.re >= SMALLEST_LOAD {
         a / load

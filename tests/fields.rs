@@ -39,7 +39,7 @@ fn fields_agree_with_the_outputs() {
 
 #[test]
 fn outflow_and_film_flux_conserve_fluid() {
-    // In contact and out of it; equal bodies and unequal ones; a torn film.
+    // In contact and out of it; equal bodies and unequal ones; a cavitated film.
     for (depth, thickness, cavitation) in
         [(5e-6, 1e-3, false), (5e-6, 1.3e-3, false), (20e-6, 1e-3, false), (5e-6, 1.3e-3, true)]
     {

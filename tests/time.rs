@@ -523,7 +523,7 @@ fn derivatives_of_the_discrete_step() {
 }
 
 /// A cycle of load and speed, with a reversal: what the bones put in is what film, pores and friction lose, what is stored and what leaves
-/// the sector, in sum over the cycle and at every instant. The load's power and the storage's rate are the derivatives by time.
+/// the sector, in sum over the cycle and at every instant. The load's power and the storage's rate are the derivatives with respect to time.
 #[test]
 fn the_work_of_a_cycle_is_accounted_for() {
     for ratio in [0.0, 0.4] {

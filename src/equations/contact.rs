@@ -13,7 +13,7 @@
 //!
 //! int p_a(h) n . v da + int tau t . v da,   tau = mu [p_a + phi A p]
 //!
-//! with the share A of real contact and the boundary friction mu of both surfaces; integrated at the nodes (Simpson's rule), so that
+//! with the fraction A of real contact and the boundary friction mu of both surfaces; integrated at the nodes (Simpson's rule), so that
 //! there is one condition a node. The normal is that of the deformed surface, and tau acts along x. The multiplier of an active
 //! station rubs with tau = mu lambda.
 
@@ -46,7 +46,7 @@ impl ContactLaw {
         }
     }
 
-    /// Share of real contact that follows from the gap, and its derivative.
+    /// Fraction of real contact that follows from the gap, and its derivative.
     pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
         match self {
             Self::Smooth { .. } => (0.0, 0.0),
@@ -108,7 +108,7 @@ pub struct Contact {
     pub friction: f64,
     /// Its derivatives with respect to the two surface speeds \[s/m\].
     pub friction_by_speeds: [f64; 2],
-    /// Share phi of the fluid's pressure in real contact that friction feels.
+    /// Fraction phi of the fluid's pressure in real contact that friction feels.
     pub solid_fraction: f64,
 }
 

@@ -11,10 +11,10 @@
 //!
 //! Where h = 0 nothing is left of it, and the fluid crosses from body to body: the paper's periodic condition.
 //!
-//! A film that may tear (cavitation) holds r (h - c), where c of the gap is void, and of what the walls carry the share c/h is
+//! A film that may cavitate (cavitation) holds r (h - c), where c of the gap is void, and of what the walls carry the fraction c/h is
 //! void, with c/h from upstream. Where the tissue takes up more than the film holds, void enters its pores: c is then larger than h,
 //! and the rest moves with the walls. Pressure and w are then straight lines from node to node and the film is stored at the nodes: with
-//! curved ones a node beside the void could neither be full nor torn.
+//! curved ones a node beside the void could neither be full nor cavitated.
 //!
 //! Between rough surfaces the film has the thickness, the flow factor phi and the storage of [`Roughness`]. Pressure and w are straight
 //! lines from node to node, and Q is one number between two nodes, from Reynolds' equation integrated over that length l:
@@ -50,8 +50,8 @@ pub struct Film {
     pub fluid_compressibility: f64,
     /// Order of the pressure's shape functions.
     pub pressure_order: i32,
-    /// Whether the film may tear.
-    pub tears: bool,
+    /// Whether the film may cavitate.
+    pub cavitates: bool,
     /// Roughness of the surfaces, and shear modulus of the tissue \[Pa\]; none where they are smooth.
     pub rough: Option<(Roughness, f64)>,
 }
@@ -86,7 +86,7 @@ pub struct Terms {
     pub by_speeds: [[f64; 3]; 2],
 }
 
-/// Where fluid is stored: shape functions of gap, pressure and void, test functions, and the share of the element's length.
+/// Where fluid is stored: shape functions of gap, pressure and void, test functions, and the fraction of the element's length.
 struct Store {
     gap: [f64; 3],
     pressure: [f64; 3],
@@ -95,7 +95,7 @@ struct Store {
 }
 
 /// Where fluid flows: the place in the element -1..=1, shape functions of gap and pressure, the node from which void is carried, and
-/// derivatives of the pressure's shape functions, which are the test functions too, by the place as a share of the element's length.
+/// derivatives of the pressure's shape functions, which are the test functions too, by the place as a fraction of the element's length.
 struct Flow {
     place: f64,
     gap: [f64; 3],
@@ -114,12 +114,12 @@ struct Void {
     by_upstream_void: f64,
 }
 
-/// In a film thinner than this the share of void is reckoned as if it were this thick \[m\]: where contact opens there is no share yet.
+/// In a film thinner than this the fraction of void is reckoned as if it were this thick \[m\]: where contact opens there is none yet.
 /// It is far below the roughness of cartilage.
 const THINNEST: f64 = 1e-8;
 
 impl Void {
-    /// From upstream, where this much of that gap is void: the same share of the present gap, and what is in the pores.
+    /// From upstream, where this much of that gap is void: the same fraction of the present gap, and what is in the pores.
     fn carried(gap: f64, upstream_gap: f64, upstream_void: f64) -> Self {
         let (room, by_gap) = if upstream_gap > THINNEST { (upstream_gap, 1.0) } else { (THINNEST, 0.0) };
         if upstream_void > room {
@@ -142,7 +142,7 @@ fn sum(shape: &[f64; 3], values: &[f64]) -> f64 {
 }
 
 impl Film {
-    /// The Gauss points; of a film that may tear or of rough surfaces the nodes.
+    /// The Gauss points; of a film that may cavitate or of rough surfaces the nodes.
     fn stores(&self) -> [Store; 3] {
         let unit = |a: usize| std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
         if self.rough.is_some() {
@@ -154,7 +154,7 @@ impl Film {
                 }
             });
         }
-        std::array::from_fn(|q| match (self.tears, self.pressure_order) {
+        std::array::from_fn(|q| match (self.cavitates, self.pressure_order) {
             (true, order) => {
                 let share = if order == 2 { [0.25, 0.5, 0.25][q] } else { [0.5, 0.0, 0.5][q] };
                 Store { gap: unit(q), pressure: unit(q), void: unit(q), share }
@@ -168,13 +168,13 @@ impl Film {
         })
     }
 
-    /// The Gauss points; of a film that may tear those between two nodes, one pair of nodes after the other.
+    /// The Gauss points; of a film that may cavitate those between two nodes, one pair of nodes after the other.
     fn flows(&self, sliding_speed: f64) -> impl Iterator<Item = Flow> {
-        let Self { tears, pressure_order, .. } = *self;
-        let pairs = if tears { self.pairs() } else { &[[0, 0]] };
+        let Self { cavitates, pressure_order, .. } = *self;
+        let pairs = if cavitates { self.pairs() } else { &[[0, 0]] };
         pairs.iter().flat_map(move |pair| {
             GAUSS.into_iter().zip(GAUSS_WEIGHTS).map(move |(s, w)| {
-                if !tears {
+                if !cavitates {
                     let slope = pressure_derivative(pressure_order, s).map(|d| 2.0 * d);
                     let pressure = pressure(pressure_order, s);
                     return Flow { place: s, gap: quadratic(s), pressure, slope, upstream: None, share: 0.5 * w };
@@ -191,7 +191,7 @@ impl Film {
         })
     }
 
-    /// Fluid r (h - c) where it is stored \[m\]: at the quadrature points, or at the nodes where the film may tear. Beside a node in
+    /// Fluid r (h - c) where it is stored \[m\]: at the quadrature points, or at the nodes where the film may cavitate. Beside a node in
     /// contact an interpolated gap may be a little below zero; it counts as it is, so that what is stored is linear in the gaps of
     /// the nodes, and has no kink where they close.
     pub fn mass(&self, at: &Local) -> [f64; 3] {
@@ -357,7 +357,7 @@ impl Film {
             let distance = share * length;
             let sliding_speed: f64 = mass_rate.relative(speeds, from as f64 - 1.0 + share).iter().sum();
             let drop = at[3 + to] - at[3 + from];
-            // Means over the pair of c, of c h and of the viscosity, with their derivatives by the three gaps, the drop of pressure and
+            // Means over the pair of c, of c h and of the viscosity, with their derivatives with respect to the three gaps, the drop of pressure and
             // the difference of speeds.
             let (mut c_mean, mut ch_mean, mut viscosity) = (Mean::default(), Mean::default(), Mean::default());
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
@@ -431,7 +431,7 @@ struct Mean {
 }
 
 impl Mean {
-    /// Adds a share with its derivatives by the gap there and by two other numbers.
+    /// Adds a part with its derivatives with respect to the gap there and to two other numbers.
     fn add(&mut self, value: f64, by_gap: f64, shape: &[f64; 3], by_others: [f64; 2]) {
         self.value += value;
         for (sum, shape) in self.by.iter_mut().zip(shape) {
@@ -471,14 +471,14 @@ mod tests {
         fn tangent_is_the_derivative_of_the_residual(
             gaps in prop::array::uniform3(0.5..2.0f64), pressures in prop::array::uniform3(-1.0..1.0f64),
             voids in prop::array::uniform3(0.0..0.5f64), direction in prop::array::uniform9(-1.0..1.0f64), order in 1..3_i32,
-            tears: bool, rough: bool, thinning: bool, speed in -1.0..1.0f64, ratio in -1.5..1.5f64,
+            cavitates: bool, rough: bool, thinning: bool, speed in -1.0..1.0f64, ratio in -1.5..1.5f64,
         ) {
             prop_assume!(speed.abs() > 1e-3);
             // The column's Peclet number is around 1.
             let rough = rough.then_some((ROUGH, 0.3e6));
             let fluid = if thinning { THINNING } else { Fluid::Newtonian(1e-3) };
-            let tears = tears && rough.is_none();
-            let film = Film { fluid, shear_film_offset: 1e-7, fluid_compressibility: 1e-7, pressure_order: order, tears, rough };
+            let cavitates = cavitates && rough.is_none();
+            let film = Film { fluid, shear_film_offset: 1e-7, fluid_compressibility: 1e-7, pressure_order: order, cavitates, rough };
             let length = if rough.is_some() { 3e-5 } else { 1e-4 };
             let scaled = |v: [f64; 9]| -> Local { std::array::from_fn(|i| v[i] * [1e-6, 1e5, 1e-6][i / 3]) };
             let at = scaled(std::array::from_fn(|i| [gaps, pressures, voids][i / 3][i % 3]));
@@ -521,12 +521,12 @@ mod tests {
         ) {
             // Of straight gaps and pressures both are exact.
             let fluid = Fluid::Newtonian(1e-3);
-            let film = Film { fluid, shear_film_offset: 1e-7, fluid_compressibility: 0.0, pressure_order: order, tears: false, rough: None };
+            let film = Film { fluid, shear_film_offset: 1e-7, fluid_compressibility: 0.0, pressure_order: order, cavitates: false, rough: None };
             let line = |middle: f64, rise: f64| [middle - rise, middle, middle + rise];
             let (gaps, pressures) = (line(1e-6, 1e-6 * slope), line(1e3, 1e5 * gradient));
             let at: Local = std::array::from_fn(|i| [gaps, pressures, [0.0; 3]][i / 3][i % 3]);
             let [whole, tearing] =
-                [film, Film { tears: true, ..film }].map(|f| f.element(1e-4, &at, [0.5 * speed; 2], &MassRate::default()).residual);
+                [film, Film { cavitates: true, ..film }].map(|f| f.element(1e-4, &at, [0.5 * speed; 2], &MassRate::default()).residual);
             prop_assert!((whole[0] + 0.5 * whole[1] - tearing[0] - 0.5 * tearing[1]).abs() < 1e-9 * whole[0].abs() + 1e-20);
         }
     }

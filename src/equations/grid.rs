@@ -146,7 +146,7 @@ const LARGEST_ANGLE: f64 = 0.7;
 
 /// Ends of `columns` elements between -half_width and half_width, dense at the edges of the contact.
 fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
-    /// Share of the columns at the two edges, and the width of these clusters over the contact's half-width; share of those spread
+    /// Fraction of the columns at the two edges, and the width of these clusters over the contact's half-width; fraction of those spread
     /// over the contact and around it. The rest is uniform.
     const EDGES: (f64, f64) = (0.4, 0.03);
     const CONTACT: (f64, f64) = (0.4, 0.8);

@@ -36,19 +36,19 @@ pub struct Layout {
     pub vertical: Vec<Vec<u32>>,
     /// Pressure of each node of each body; the same number for both on the surface.
     pub pressure: Vec<Vec<u32>>,
-    /// Void at each station; [`FIXED`] where there is no pressure or the film cannot tear.
+    /// Void at each station; [`FIXED`] where there is no pressure or the film cannot cavitate.
     pub void: Vec<u32>,
     /// Unknowns of each cell, see [`Layout::cell`].
     pub cells: Vec<Vec<u32>>,
     /// In how many cells the gap of each station appears.
-    pub gap_uses: Vec<f64>,
+    pub gap_multiplicity: Vec<f64>,
     rows: usize,
 }
 
 impl Layout {
-    /// Numbers the unknowns of one or two layers with the same columns and rows, and of a film that may tear or not. With
-    /// `open_ends` the ends of the layers have a pressure of their own, and those of the film too unless it may tear.
-    pub fn new(meshes: &[&LayerMesh], tears: bool, open_ends: bool) -> Self {
+    /// Numbers the unknowns of one or two layers with the same columns and rows, and of a film that may cavitate or not. With
+    /// `open_ends` the ends of the layers have a pressure of their own, and those of the film too unless it may cavitate.
+    pub fn new(meshes: &[&LayerMesh], cavitates: bool, open_ends: bool) -> Self {
         let (columns, rows, levels) = (meshes[0].columns, meshes[0].rows, meshes[0].levels());
         let stations = 2 * columns + 1;
         let nodes = stations * levels;
@@ -61,7 +61,8 @@ impl Layout {
         };
         let has_pressure = |i: usize, j: usize| {
             let inside = i > 0 && i + 1 < stations;
-            (inside || (open_ends && (j > 0 || !tears))) && (order == 2 || (i.is_multiple_of(2) && j.is_multiple_of(2)))
+            (inside || (open_ends && (j > 0 || !cavitates)))
+                && (order == 2 || (i.is_multiple_of(2) && j.is_multiple_of(2)))
         };
         let mut gap = Vec::new();
         let mut mean = Vec::new();
@@ -75,7 +76,7 @@ impl Layout {
                 mean.push(new(Quantity::Displacement));
             }
             let shared = if has_pressure(i, 0) { new(Quantity::Pressure) } else { FIXED };
-            void.push(if tears && shared != FIXED { new(Quantity::Void) } else { FIXED });
+            void.push(if cavitates && shared != FIXED { new(Quantity::Void) } else { FIXED });
             for body in 0..bodies {
                 for j in 0..levels {
                     let node = i * levels + j;
@@ -102,7 +103,7 @@ impl Layout {
             pressure,
             void,
             cells: Vec::new(),
-            gap_uses: vec![0.0; stations],
+            gap_multiplicity: vec![0.0; stations],
             rows,
         };
         for cell in 0..columns * rows * bodies {
@@ -116,14 +117,14 @@ impl Layout {
                 for a in 0..3 {
                     let station = 2 * column + a;
                     unknowns[NODES + a] = layout.gap[station];
-                    layout.gap_uses[station] += 1.0;
+                    layout.gap_multiplicity[station] += 1.0;
                 }
                 if bodies == 2 {
                     unknowns.extend_from_slice(&layout.mean[2 * column..2 * column + 3]);
                     unknowns.extend((0..3).map(|a| layout.horizontal[1 - body][element_nodes[a]]));
                 }
                 // With both bodies, as the pressures are, so that both are eliminated together.
-                if tears {
+                if cavitates {
                     unknowns.extend_from_slice(&layout.void[2 * column..2 * column + 3]);
                 }
             }

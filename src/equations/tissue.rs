@@ -91,16 +91,16 @@ struct State {
     rotation: Vector2<f64>,
     /// Surface speed U_i, relative to the mesh \[m/s\].
     speed: f64,
-    /// Weight of the convective term, and of its derivative by the speed.
+    /// Weight of the convective term, and of its derivative with respect to the speed.
     upstream_weights: [f64; 2],
     /// d((J - 1) dA)/dt / dA, which is dJ/dt where the mesh stays \[1/s\].
     volume_rate: f64,
-    /// Its derivative by J \[1/s\].
+    /// Its derivative with respect to J \[1/s\].
     volume_rate_by_volume: f64,
 }
 
 impl Tissue {
-    /// The material at a depth, given as a share of the thickness.
+    /// The material at a depth, given as a fraction of the thickness.
     #[inline(always)]
     pub fn at_depth(&self, depth: f64) -> Cow<'_, Self> {
         let Some(profile) = &self.profile else { return Cow::Borrowed(self) };
@@ -116,7 +116,7 @@ impl Tissue {
         })
     }
 
-    /// Hydraulic permeability of the strained tissue, and its derivative by the volume ratio, relative to it. `along` is a direction
+    /// Hydraulic permeability of the strained tissue, and its derivative with respect to the volume ratio, relative to it. `along` is a direction
     /// of the layer, of any length.
     pub fn mobility_at(&self, strain: &Strain, along: &Vector2<f64>) -> (Mobility, f64) {
         let law = self.strain_dependence.as_ref();
@@ -159,7 +159,7 @@ impl Tissue {
         }
     }
 
-    /// Its derivative by the surface speed.
+    /// Its derivative with respect to the surface speed.
     #[inline(always)]
     fn integrand_by_speed(&self, state: &State) -> Integrand {
         Integrand {
@@ -168,7 +168,7 @@ impl Tissue {
         }
     }
 
-    /// Its derivatives by strain, p and grad p.
+    /// Its derivatives with respect to strain, p and grad p.
     #[inline(always)]
     fn integrand_derivatives(&self, state: &State) -> IntegrandDerivatives {
         let State { strain, pressure, pressure_gradient, rotation, speed, upstream_weights: [weight, _], .. } = state;
@@ -232,7 +232,7 @@ impl Tissue {
 
     /// Weight w of the upstream end of an element, positive where the tissue moves along x: P^2 / (1 + P^2), with P the time in which fluid
     /// crosses the element's height over that in which the tissue passes its length.
-    /// And its derivative by the speed.
+    /// And its derivative with respect to the speed.
     fn weighting(&self, mesh: &LayerMesh, element: usize, speed: f64) -> [f64; 2] {
         if !self.consistent || mesh.pressure_order == 2 {
             return [0.0; 2];
@@ -328,7 +328,7 @@ impl Element<'_> {
     }
 }
 
-/// Adds to the residual, or to its derivative by the surface speed; compiled once for each kind of processor.
+/// Adds to the residual, or to its derivative with respect to the surface speed; compiled once for each kind of processor.
 struct AddIntegral<'a, 'b, const BY_SPEED: bool> {
     element: &'a Element<'a>,
     residual: &'b mut Local,

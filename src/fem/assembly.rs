@@ -6,8 +6,8 @@
 //! int stress : grad v + force . v + flow . grad w + storage w
 //! ```
 //!
-//! and its derivatives by grad u, p and grad p, the [`IntegrandDerivatives`]. Sums over the nodes are done a vector of a
-//! processor's registers at a time.
+//! and its derivatives with respect to grad u, p and grad p, the [`IntegrandDerivatives`]. Sums over the nodes are done a vector of a
+//! processor's registers at a time. [`scatter`] takes what comes out to the unknowns.
 
 use nalgebra::{Matrix2, Matrix2x4, Matrix4, Vector2, Vector4};
 use pulp::{Simd, WithSimd};
@@ -20,6 +20,15 @@ pub const LOCAL: usize = 3 * NODES;
 
 /// Values or residuals over the local unknowns.
 pub type Local = [f64; LOCAL];
+
+/// Adds the values of an element to those of the unknowns with these numbers; a number beyond them is that of a fixed one.
+pub fn scatter(local: &[f64], numbers: &[u32], values: &mut [f64]) {
+    for (local, number) in local.iter().zip(numbers) {
+        if let Some(value) = values.get_mut(*number as usize) {
+            *value += local;
+        }
+    }
+}
 
 /// The fields at a quadrature point.
 pub struct PointFields {

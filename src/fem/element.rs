@@ -11,7 +11,7 @@ pub const POINTS: usize = 9;
 pub const GAUSS: [f64; 3] = [-0.774_596_669_241_483_4, 0.0, 0.774_596_669_241_483_4];
 /// Their weights.
 pub const GAUSS_WEIGHTS: [f64; 3] = [5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0];
-/// Share of an element's length that Simpson's rule gives to its two ends and its middle.
+/// Fraction of an element's length that Simpson's rule gives to its two ends and its middle.
 pub const SIMPSON: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 
 /// Quadratic shape functions of the nodes -1, 0, 1.

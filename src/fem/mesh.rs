@@ -18,7 +18,7 @@ pub fn quadratic_stations(count: usize, end: impl Fn(usize) -> f64) -> Vec<f64> 
     (0..=2 * count).map(|i| if i % 2 == 0 { end(i / 2) } else { 0.5 * (end(i / 2) + end(i / 2 + 1)) }).collect()
 }
 
-/// Derivatives by X and Y from those by the local coordinates s and t, with the Jacobian [dX/ds dX/dt dY/ds dY/dt].
+/// Derivatives with respect to X and Y from those by the local coordinates s and t, with the Jacobian [dX/ds dX/dt dY/ds dY/dt].
 fn gradients([xs, xt, ys, yt]: [f64; 4], by_s: &[f64; NODES], by_t: &[f64; NODES]) -> [[f64; NODES]; 2] {
     let determinant = xs * yt - xt * ys;
     [
@@ -63,7 +63,7 @@ pub struct LayerMesh {
     pub nodes: Vec<[f64; 2]>,
     /// Order of the pressure's shape functions.
     pub pressure_order: i32,
-    /// Depth of the levels below the surface, as a share of the thickness.
+    /// Depth of the levels below the surface, as a fraction of the thickness.
     pub depths: Vec<f64>,
     points: Vec<Point>,
     pressure_gradients: Vec<[[f64; NODES]; 2]>,
@@ -207,7 +207,7 @@ impl LayerMesh {
         Vector2::new(y - below_y, below_x - x)
     }
 
-    /// Depth of a quadrature point below the surface, as a share of the thickness.
+    /// Depth of a quadrature point below the surface, as a fraction of the thickness.
     pub fn point_depth(&self, element: usize, point: usize) -> f64 {
         let first = 2 * (element % self.rows);
         quadratic(GAUSS[point / 3]).iter().zip(&self.depths[first..]).map(|(shape, depth)| shape * depth).sum()

@@ -8,7 +8,7 @@ pub fn is_active(contact_pressure: f64, gap: f64, stiffness: f64) -> bool {
     contact_pressure - stiffness * gap > 0.0
 }
 
-/// Share of full Coulomb friction that is mobilised, from -1 to 1, with its derivatives with respect to the two surface speeds.
+/// Fraction of full Coulomb friction that is mobilised, from -1 to 1, with its derivatives with respect to the two surface speeds.
 ///
 /// At equal surface speeds Coulomb friction is not determined. The paper charges it in full, in the direction of U = U1 + U2;
 /// here its jump at U = 0 is smoothed by tanh(U / v), which is 1 to round-off beyond 20 v. The consistent formulation has

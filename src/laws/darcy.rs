@@ -20,12 +20,12 @@ pub struct HolmesMow {
     pub strain_coefficient: f64,
 }
 
-/// The pores never count as smaller than this share of their undeformed volume. The law ends at J = s, where no fluid is left; it
+/// The pores never count as smaller than this fraction of their undeformed volume. The law ends at J = s, where no fluid is left; it
 /// would close the pores there, and is no number below, where a finite modulus cannot keep the solid from being pressed.
 pub const LEAST_PORE_VOLUME: f64 = 0.01;
 
 impl HolmesMow {
-    /// k / k0 and its derivative by J, at J = 1 + `volume_change`.
+    /// k / k0 and its derivative with respect to J, at J = 1 + `volume_change`.
     pub fn relative_permeability(&self, volume_change: f64) -> (f64, f64) {
         let Self { solid_volume_fraction, exponent, strain_coefficient } = *self;
         let e = volume_change;

@@ -45,12 +45,12 @@ pub struct DepthProfile {
     pub surface: Factors,
     /// At the bone.
     pub deep: Factors,
-    /// Where the middle zone begins and ends, as shares of the thickness.
+    /// Where the middle zone begins and ends, as fractions of the thickness.
     pub middle_zone: [f64; 2],
 }
 
 impl DepthProfile {
-    /// Factors at a depth, given as a share of the thickness.
+    /// Factors at a depth, given as a fraction of the thickness.
     pub fn at(&self, depth: f64) -> Factors {
         let [start, end] = self.middle_zone;
         if depth < start {

@@ -18,7 +18,7 @@ pub struct ReynoldsFlux {
     pub by_speeds: [f64; 2],
 }
 
-/// Mean shear rate (U1 - U2) / (h + offset) of a film between smooth surfaces \[1/s\], and its derivative by the gap. The offset keeps it
+/// Mean shear rate (U1 - U2) / (h + offset) of a film between smooth surfaces \[1/s\], and its derivative with respect to the gap. The offset keeps it
 /// finite in contact.
 pub fn mean_shear_rate(gap: f64, speed_difference: f64, offset: f64) -> (f64, f64) {
     if gap < 0.0 {

@@ -36,21 +36,21 @@ pub struct Carreau {
     pub flow_index: f64,
 }
 
-/// What a film does where it is sheared at a mean rate, with the derivatives by that and by the half difference of the wall stresses
+/// What a film does where it is sheared at a mean rate, with the derivatives with respect to that and to the half difference of the wall stresses
 /// G = (h/2) p'.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sheared {
     /// Viscosity eta_p that the flow driven by pressure feels \[Pa s\].
     pub viscosity: f64,
-    /// Its derivative by the mean shear rate \[Pa s^2\].
+    /// Its derivative with respect to the mean shear rate \[Pa s^2\].
     pub viscosity_by_rate: f64,
-    /// Its derivative by G \[s\].
+    /// Its derivative with respect to G \[s\].
     pub viscosity_by_difference: f64,
     /// Mean shear stress tau_m \[Pa\].
     pub stress: f64,
-    /// Its derivative by the mean shear rate \[Pa s\].
+    /// Its derivative with respect to the mean shear rate \[Pa s\].
     pub stress_by_rate: f64,
-    /// Its derivative by G \[1\].
+    /// Its derivative with respect to G \[1\].
     pub stress_by_difference: f64,
 }
 

@@ -51,7 +51,7 @@ fn greenwood_tripp(x: f64) -> (f64, f64) {
 }
 
 impl Roughness {
-    /// Pressure p_a of solid on solid over the nominal area \[Pa\], and its derivative by h \[Pa/m\].
+    /// Pressure p_a of solid on solid over the nominal area \[Pa\], and its derivative with respect to h \[Pa/m\].
     pub fn pressure(&self, gap: f64) -> (f64, f64) {
         let x = gap / self.rms;
         let open = x.max(0.0);
@@ -84,8 +84,8 @@ impl Roughness {
         low
     }
 
-    /// Share of the nominal area where the surfaces would overlap, for Gaussian heights: the bearing area erfc(h / (sqrt(2) sigma)) / 2,
-    /// and its derivative by h \[1/m\].
+    /// Fraction of the nominal area where the surfaces would overlap, for Gaussian heights: the bearing area erfc(h / (sqrt(2) sigma)) / 2,
+    /// and its derivative with respect to h \[1/m\].
     pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
         let x = gap / self.rms;
         let density = (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
@@ -103,7 +103,7 @@ impl Roughness {
     }
 
     /// Pressure flow factor on h^3 for isotropic roughness, 1 - 0.9 exp(-0.56 h / sigma) (N. Patir and H. S. Cheng, Journal of Lubrication
-    /// Technology 100 (1978) 12-17), and its derivative by the film's thickness \[1/m\].
+    /// Technology 100 (1978) 12-17), and its derivative with respect to the film's thickness \[1/m\].
     pub fn flow_factor(&self, thickness: f64) -> (f64, f64) {
         let reduction = 0.9 * (-0.56 * thickness / self.rms).exp();
         (1.0 - reduction, 0.56 * reduction / self.rms)
@@ -111,7 +111,7 @@ impl Roughness {
 
     /// Mean of 1/h over the rough gap \[1/m\], by which viscosity times sliding velocity is the mean shear stress: phi_f / h of N. Patir
     /// and H. S. Cheng, Journal of Lubrication Technology 101 (1979) 220-229, for heights of polynomial density; gaps below
-    /// sigma / 100 count as solid. And its derivative by the film's thickness.
+    /// sigma / 100 count as solid. And its derivative with respect to the film's thickness.
     pub fn inverse_thickness(&self, thickness: f64) -> (f64, f64) {
         let length = 3.0 * self.rms;
         let z = thickness / length;

@@ -26,7 +26,7 @@ pub struct Chart {
     pub rest: Option<f64>,
 }
 
-/// A depth, and its derivatives by the coordinate s and by U.
+/// A depth, and its derivatives with respect to the coordinate s and to U.
 #[derive(Clone, Copy)]
 pub struct Depth {
     /// The depth \[m\].
@@ -59,7 +59,7 @@ impl Chart {
         self.rest.filter(|_| speed < self.slowest()).map(|touch| (speed / self.slowest(), touch))
     }
 
-    /// Depth of first touch at a speed of 0 or more and its derivative by U; `None` where it is not in the table.
+    /// Depth of first touch at a speed of 0 or more and its derivative with respect to U; `None` where it is not in the table.
     pub fn touch(&self, speed: f64) -> Option<[f64; 2]> {
         if self.touch.is_empty() {
             return None;

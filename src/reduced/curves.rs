@@ -49,7 +49,7 @@ impl Cubic {
 }
 
 /// How a quantity between rest and the slowest line depends on the change from rest to that line and on its slope there, by w:
-/// weights of both for the value, and for its derivative by w.
+/// weights of both for the value, and for its derivative with respect to w.
 pub type Shares = [[f64; 2]; 2];
 
 /// With even powers of w.

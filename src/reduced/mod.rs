@@ -224,7 +224,7 @@ impl ReducedModel {
         Some(self.content.chart.touch(sliding_speed.abs())?[0])
     }
 
-    /// Outputs, and their derivatives by penetration depth, sliding speed and slide-to-roll ratio.
+    /// Outputs, and their derivatives with respect to penetration depth, sliding speed and slide-to-roll ratio.
     ///
     /// Those by depth and speed are exactly the derivatives of the outputs returned here. The one by the ratio, which is fixed, is
     /// that of the full model, interpolated linearly.
@@ -259,7 +259,7 @@ impl ReducedModel {
         (values, [depth, speed, ratio].map(|along| along.map(|dual| dual.eps)))
     }
 
-    /// Outputs with their derivative by one input.
+    /// Outputs with their derivative with respect to one input.
     fn along(&self, inputs: &Inputs, state: &State, side: Side, input: usize, boundary: [f64; 4]) -> Outputs<Dual64> {
         let p = &self.content.parameters;
         let dual = |q: usize| Dual64::new(state[0][q], state[1 + input][q]);
@@ -346,7 +346,7 @@ impl std::fmt::Display for ReducedModel {
     }
 }
 
-/// Friction of solid on solid over the solid load, and its derivatives by the three inputs.
+/// Friction of solid on solid over the solid load, and its derivatives with respect to the three inputs.
 fn boundary_friction(p: &Parameters, inputs: &Inputs) -> [f64; 4] {
     let (mobilised, slopes) =
         mobilised_friction(p.formulation, surface_speeds(inputs), p.friction_regularisation_speed);

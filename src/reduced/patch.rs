@@ -34,7 +34,7 @@ pub struct Grid {
     pub side: Side,
     /// Grid lines of the coordinate s, from 0 to 1.
     pub stations: Vec<f64>,
-    /// Speed by speed and station by station: quantities, and their derivatives by depth, speed and slide-to-roll ratio.
+    /// Speed by speed and station by station: quantities, and their derivatives with respect to depth, speed and slide-to-roll ratio.
     pub states: Vec<f32>,
     /// The same at rest, station by station, in a table that goes down to rest.
     pub rest: Vec<f32>,
@@ -72,16 +72,16 @@ pub struct Patch {
     pub side: Side,
     stations: Vec<f64>,
     logarithmic: [bool; SCALARS],
-    /// A state's block: quantities, and their derivatives by s, by ln U and by both; of logarithms where that is what is
+    /// A state's block: quantities, and their derivatives with respect to s, to ln U and to both; of logarithms where that is what is
     /// interpolated.
     nodes: Vec<f32>,
-    /// Derivatives by the slide-to-roll ratio.
+    /// Derivatives with respect to the slide-to-roll ratio.
     by_ratio: Vec<f32>,
-    /// At rest: quantities, and their derivatives by s and by the slide-to-roll ratio.
+    /// At rest: quantities, and their derivatives with respect to s and to the slide-to-roll ratio.
     rest: Vec<f32>,
 }
 
-/// Quantities, their derivatives by s, by ln U and by both, and by the slide-to-roll ratio.
+/// Quantities, their derivatives with respect to s, to ln U and to both, and to the slide-to-roll ratio.
 type Local = [[f64; QUANTITIES]; 5];
 
 impl Patch {

@@ -75,7 +75,7 @@ pub static INTERPOLATION: [Interpolation; QUANTITIES] = {
     all
 };
 
-/// All quantities of a state, and their derivatives by penetration depth, sliding speed and slide-to-roll ratio.
+/// All quantities of a state, and their derivatives with respect to penetration depth, sliding speed and slide-to-roll ratio.
 pub type State = [[f64; QUANTITIES]; 4];
 
 /// What is interpolated of outputs: the rest follows from it. `boundary_friction` is the part of the friction forces, per unit

@@ -1,14 +1,14 @@
 //! The equations of one body and its mirror image or of two, and solutions of them.
 
 use crate::equations::grid;
-pub(super) use crate::equations::system::{Place, Point, Task};
+pub(super) use crate::equations::system::{LinearizationPoint, Point, Task};
 use crate::equations::system::{System, boundary_friction};
 use crate::error::Error;
 use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
 use crate::solver::deadline::Deadline;
 use crate::solver::linear::{FIXED, Singular};
-pub(super) use crate::solver::newton::Foreseen;
+pub(super) use crate::solver::newton::PredictorEstimate;
 
 /// The equations: those of a mirrored pair, where the two bodies are equal, and those of two bodies, made when first needed.
 #[derive(Debug)]
@@ -113,14 +113,14 @@ impl Bodies {
         self.system(guess.mirrored).settle(guess, task)
     }
 
-    /// Factorises the tangent at a place, unless that was the last one.
-    pub fn form(&mut self, place: &Place) -> Result<(), Singular> {
-        self.system(place.point.mirrored).form(place)
+    /// Factorises the tangent at a linearization point, unless that was the last one.
+    pub fn form(&mut self, linearization: &LinearizationPoint) -> Result<(), Singular> {
+        self.system(linearization.point.mirrored).form(linearization)
     }
 
     /// Where the last tangent of these equations was formed.
-    pub fn place(&self, mirrored: bool) -> Option<&Place> {
-        self.made(mirrored)?.place()
+    pub fn linearization(&self, mirrored: bool) -> Option<&LinearizationPoint> {
+        self.made(mirrored)?.linearization()
     }
 
     /// The same solution in the unknowns of one body or of two.

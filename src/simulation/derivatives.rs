@@ -1,40 +1,40 @@
 //! Derivatives of a state: by the inputs of its last step, and by time.
 
-use super::bodies::{Bodies, Place, Point};
+use super::bodies::{Bodies, LinearizationPoint, Point};
 use super::transient::{self, Motion};
 use super::{Input, Path, State};
 use crate::equations::layout::Quantity;
-use crate::equations::system::{self, Change, Contents, Direction, Rates, Residual};
+use crate::equations::system::{self, Change, Direction, Rates, Residual, StoredVolumes};
 use crate::outputs::{Outputs, Solved};
 use crate::parameters::Control;
 
 /// What is asked of a solution, and a change of the load where that is given.
-struct Cause {
-    change: system::Cause,
+struct Perturbation {
+    change: system::Perturbation,
     load: f64,
 }
 
-/// Changes of a solution with their causes. The tangent is factorised first.
+/// Changes of a solution with their perturbations. The tangent is factorised first.
 fn changes(
     bodies: &mut Bodies,
     point: &Point,
     rates: Option<&Rates>,
-    causes: Vec<Cause>,
+    perturbations: Vec<Perturbation>,
 ) -> Result<Vec<Change>, String> {
-    let place = Place { point: point.clone(), rates: rates.cloned() };
-    bodies.form(&place).map_err(|singular| singular.to_string())?;
+    let linearization = LinearizationPoint { point: point.clone(), rates: rates.cloned() };
+    bodies.form(&linearization).map_err(|singular| singular.to_string())?;
     let loaded = bodies.parameters.control == Control::Load;
     let system = bodies.system_of(point);
-    let loads: Vec<f64> = causes.iter().map(|cause| cause.load).collect();
-    let given = |mut cause: Cause| {
+    let loads: Vec<f64> = perturbations.iter().map(|perturbation| perturbation.load).collect();
+    let given = |mut perturbation: Perturbation| {
         if loaded {
-            cause.change.direction.penetration_depth = 0.0;
+            perturbation.change.direction.penetration_depth = 0.0;
         }
-        cause.change
+        perturbation.change
     };
-    let deeper = system::Cause { direction: Direction::UNIT[0], ..system::Cause::default() };
-    let causes = causes.into_iter().map(given).chain([deeper]).collect();
-    let mut changes = system.respond(point.at(rates), causes).map_err(|singular| singular.to_string())?;
+    let deeper = system::Perturbation { direction: Direction::UNIT[0], ..system::Perturbation::default() };
+    let perturbations = perturbations.into_iter().map(given).chain([deeper]).collect();
+    let mut changes = system.sensitivities(point.at(rates), perturbations).map_err(|singular| singular.to_string())?;
     let by_depth = changes.pop().ok_or("there is nothing to differentiate")?;
     if loaded {
         // The depth follows so that the load changes as it is told to.
@@ -63,41 +63,41 @@ fn results(bodies: &mut Bodies, point: &Point, rates: Option<&Rates>, changes: &
 /// By the inputs in the order of [`Input::ALL`] during the last step, held as they were but for a constant difference: derivatives of the steady state, or of the
 /// discrete step in time with its internal steps.
 pub(super) fn by_inputs(bodies: &mut Bodies, state: &State) -> Result<Vec<Outputs>, String> {
-    let cause = |input: &Input, time: f64, history: Option<Contents>| {
+    let perturbation = |input: &Input, time: f64, history: Option<StoredVolumes>| {
         let (direction, load) = state.drive.change(*input, time);
-        Cause { change: system::Cause { direction, history, ..system::Cause::default() }, load }
+        Perturbation { change: system::Perturbation { direction, history, ..system::Perturbation::default() }, load }
     };
     match &state.path {
         Path::Steady(..) => {
-            let causes = Input::ALL.iter().map(|input| cause(input, state.duration, None)).collect();
-            let changes = changes(bodies, &state.point, None, causes)?;
+            let perturbations = Input::ALL.iter().map(|input| perturbation(input, state.duration, None)).collect();
+            let changes = changes(bodies, &state.point, None, perturbations)?;
             Ok(results(bodies, &state.point, None, &changes))
         }
         Path::Transient(motion) => {
             // Changes of what is stored before the internal step, and of its rates in the first stage.
-            let (mut stored, mut first): (Vec<Contents>, Vec<Contents>) = (Vec::new(), Vec::new());
+            let (mut stored, mut first): (Vec<StoredVolumes>, Vec<StoredVolumes>) = (Vec::new(), Vec::new());
             let (mut outputs, mut left) = (Vec::new(), 2 * motion.last.steps.len());
             transient::replay(bodies, &motion.last, &state.drive, state.duration, |bodies, stage, time| {
                 let nothing = stage.rate.scaled(0.0);
-                let causes = Input::ALL.iter().enumerate().map(|(k, input)| {
+                let perturbations = Input::ALL.iter().enumerate().map(|(k, input)| {
                     let before = stored.get(k).unwrap_or(&nothing);
-                    cause(input, time, Some(transient::history(&stage.formula, before, first.get(k))))
+                    perturbation(input, time, Some(transient::history(&stage.formula, before, first.get(k))))
                 });
-                let causes = causes.collect();
-                let changes = changes(bodies, &stage.point, Some(&stage.rates), causes)?;
+                let perturbations = perturbations.collect();
+                let changes = changes(bodies, &stage.point, Some(&stage.rates), perturbations)?;
                 let system = bodies.system_of(&stage.point);
-                let contents = changes.iter().map(|change| {
+                let stored_volumes = changes.iter().map(|change| {
                     let Point { unknowns, inputs, .. } = &stage.point;
-                    system.contents_change(unknowns, inputs, &change.unknowns, change.inputs.penetration_depth)
+                    system.stored_volumes_change(unknowns, inputs, &change.unknowns, change.inputs.penetration_depth)
                 });
-                let contents: Vec<Contents> = contents.collect();
+                let stored_volumes: Vec<StoredVolumes> = stored_volumes.collect();
                 if first.is_empty() {
-                    let rate = |(contents, change): (&Contents, &Change)| {
-                        change.history.as_ref().unwrap_or(&nothing).combined(1.0, stage.formula.present, contents)
+                    let rate = |(stored_volumes, change): (&StoredVolumes, &Change)| {
+                        change.history.as_ref().unwrap_or(&nothing).combined(1.0, stage.formula.present, stored_volumes)
                     };
-                    first = contents.iter().zip(&changes).map(rate).collect();
+                    first = stored_volumes.iter().zip(&changes).map(rate).collect();
                 } else {
-                    stored = contents;
+                    stored = stored_volumes;
                     first.clear();
                 }
                 left -= 1;
@@ -129,8 +129,8 @@ pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, Str
     let point = &state.point;
     let (changes, rates) = match &state.path {
         Path::Steady(..) => {
-            let change = system::Cause { direction, ..system::Cause::default() };
-            (changes(bodies, point, None, vec![Cause { change, load }])?, None)
+            let change = system::Perturbation { direction, ..system::Perturbation::default() };
+            (changes(bodies, point, None, vec![Perturbation { change, load }])?, None)
         }
         Path::Transient(motion) => {
             // The rates of what is stored are known, and all other equations hold at all times: the unknowns move as in a step
@@ -138,9 +138,9 @@ pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, Str
             let step = 1e-3 * shortest(motion);
             let Point { unknowns, inputs, .. } = point;
             let system = bodies.system_of(point);
-            let contents = system.contents(unknowns, inputs);
-            let mut history = motion.rate.combined(1.0, -1.0 / step, &contents);
-            history.stations = contents.stations.iter().map(|x| -x / step).collect();
+            let stored_volumes = system.stored_volumes(unknowns, inputs);
+            let mut history = motion.rate.combined(1.0, -1.0 / step, &stored_volumes);
+            history.stations = stored_volumes.stations.iter().map(|x| -x / step).collect();
             let rates = Rates { rate: 1.0 / step, history };
             let [stored, flows] = [Some(motion.rates()), None].map(|rates| {
                 let mut residual = Residual::default();
@@ -153,10 +153,10 @@ pub(super) fn by_time(bodies: &mut Bodies, state: &State) -> Result<Outputs, Str
                 stored.iter().zip(&flows).zip(&system.layout.quantities).map(|((all, flow), quantity)| {
                     if *quantity == Quantity::Pressure { (flow - all) / step } else { 0.0 }
                 });
-            let change = system::Cause { direction, history: None, residual: rate.collect() };
-            let mut changes = changes(bodies, point, Some(&rates), vec![Cause { change, load }])?;
+            let change = system::Perturbation { direction, history: None, residual: rate.collect() };
+            let mut changes = changes(bodies, point, Some(&rates), vec![Perturbation { change, load }])?;
             // What leaves the tissue into the film also changes with the rate of the film's mass.
-            let film = Contents { volume: Vec::new(), film: motion.trend.film.clone(), stations: Vec::new() };
+            let film = StoredVolumes { volume: Vec::new(), film: motion.trend.film.clone(), stations: Vec::new() };
             changes.iter_mut().for_each(|change| change.history = Some(film.clone()));
             (changes, Some(motion.rates()))
         }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use self::bodies::{Bodies, Point};
 pub use self::drive::Drive;
-use self::predictor::Kept;
+use self::predictor::ReusableTangent;
 use self::steady::Steady;
 use self::transient::Motion;
 use crate::equations::grid::Grid;
@@ -63,7 +63,7 @@ struct State {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Path {
     /// The reusable tangent, and the state before on another mesh.
-    Steady(Option<Box<Kept>>, Option<Box<Point>>),
+    Steady(Option<Box<ReusableTangent>>, Option<Box<Point>>),
     Transient(Box<Motion>),
 }
 
@@ -238,8 +238,8 @@ impl Simulation {
         self.bodies.reserve()?;
         let from = self.state.as_ref().map(|state| Steady {
             point: state.point.clone(),
-            kept: match &state.path {
-                Path::Steady(kept, _) => kept.clone(),
+            reusable: match &state.path {
+                Path::Steady(reusable, _) => reusable.clone(),
                 Path::Transient(_) => None,
             },
             before: match &state.path {
@@ -249,8 +249,14 @@ impl Simulation {
         });
         let mut iterations = 0;
         self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
-        let Steady { point, kept, before } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
-        self.accept(State { point, iterations: iterations as i32, drive, duration, path: Path::Steady(kept, before) });
+        let Steady { point, reusable, before } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
+        self.accept(State {
+            point,
+            iterations: iterations as i32,
+            drive,
+            duration,
+            path: Path::Steady(reusable, before),
+        });
         Ok(())
     }
 
@@ -398,15 +404,15 @@ impl State {
                 && point.active.len() == stations
                 && point.contact_forces.len() == stations
         };
-        let kept = match &self.path {
-            Path::Steady(kept, _) => kept.as_ref().map(|kept| &kept.place),
-            Path::Transient(motion) => motion.kept.as_ref(),
+        let reusable = match &self.path {
+            Path::Steady(reusable, _) => reusable.as_ref().map(|reusable| &reusable.linearization),
+            Path::Transient(motion) => motion.reusable.as_ref(),
         };
         fits(&self.point)
-            && kept.is_none_or(|place| fits(&place.point))
+            && reusable.is_none_or(|linearization| fits(&linearization.point))
             && match &self.path {
-                Path::Steady(kept, before) => {
-                    kept.as_ref().is_none_or(|kept| kept.fits(unknowns))
+                Path::Steady(reusable, before) => {
+                    reusable.as_ref().is_none_or(|reusable| reusable.fits(unknowns))
                         && before.as_ref().is_none_or(|point| fits(point))
                 }
                 Path::Transient(motion) => motion.fits(unknowns, (stations - 1) / 2) && fits(&motion.last.start),

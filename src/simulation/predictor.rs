@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, Foreseen, Place, Point};
+use super::bodies::{Bodies, LinearizationPoint, Point, PredictorEstimate};
 use super::steady::{Steady, load};
 use crate::equations::load::LARGEST_APPROACH;
 use crate::parameters::{Control, Inputs};
@@ -38,22 +38,24 @@ impl Point {
 
 /// Where a tangent was formed, and what it missed in the last step that was predicted with it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Kept {
-    pub place: Place,
-    pub miss: Option<Miss>,
+pub(super) struct ReusableTangent {
+    pub linearization: LinearizationPoint,
+    pub predictor_error: Option<PredictorError>,
 }
 
-impl Kept {
+impl ReusableTangent {
     /// Whether what was missed is of equations with so many unknowns.
     pub fn fits(&self, unknowns: usize) -> bool {
         let fits = |values: &[f64]| values.len() == unknowns + 1;
-        self.miss.as_ref().is_none_or(|miss| fits(&miss.now) && fits(&miss.next))
+        self.predictor_error
+            .as_ref()
+            .is_none_or(|predictor_error| fits(&predictor_error.now) && fits(&predictor_error.next))
     }
 }
 
 /// The difference of a solution to its prediction, unknowns and then the depth. Along a smooth way it grows evenly from step to step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Miss {
+pub(super) struct PredictorError {
     /// See [`changes`].
     changes: Changes,
     now: Vec<f64>,
@@ -61,7 +63,7 @@ pub(super) struct Miss {
     next: Vec<f64>,
 }
 
-impl Miss {
+impl PredictorError {
     /// What was missed by these changes, after what was missed before.
     pub fn new(before: Option<&Self>, changes: Changes, solved: &Point, predicted: &Point) -> Self {
         let of = |point: &Point| [&point.unknowns[..], &[point.inputs.penetration_depth]].concat();
@@ -94,7 +96,7 @@ pub(super) struct Guess {
     /// The prediction by the tangent alone.
     pub predicted: Point,
     pub changes: Changes,
-    pub foreseen: Option<Foreseen>,
+    pub estimate: Option<PredictorEstimate>,
 }
 
 /// The state at the target inputs on the mesh of another contact: each node keeps what it has in proportion to the contact, and what
@@ -116,11 +118,11 @@ pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact
     if let Some((before, share)) = before {
         let mut carried = before.unknowns.clone();
         let last = system.carry(&mut carried, before.contact_half_width, now.contact_half_width);
-        let kept = point.unknowns.clone();
+        let proportional = point.unknowns.clone();
         for ((guess, now), carried) in point.unknowns.iter_mut().zip(&now.unknowns).zip(&carried) {
             *guess += share * ratio * (now - carried);
         }
-        system.keep_films(&mut point.unknowns, &kept);
+        system.keep_films(&mut point.unknowns, &proportional);
         point.inputs.penetration_depth +=
             share * ratio * (now.inputs.penetration_depth - last * before.inputs.penetration_depth);
     }
@@ -134,27 +136,29 @@ pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact
 pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -> Guess {
     let mut point = from.point.clone();
     let changes = changes(&point.target(), target, control);
-    let kept = from.kept.as_ref();
-    let update = kept.and_then(|kept| along(bodies, &point, &kept.place, target, control).ok());
+    let reusable = from.reusable.as_ref();
+    let update = reusable.and_then(|reusable| along(bodies, &point, &reusable.linearization, target, control).ok());
     let system = bodies.system(point.mirrored);
     let Some((update, approach)) = update else {
         system.compress(&mut point.unknowns, target.inputs.penetration_depth - point.inputs.penetration_depth);
-        return Guess { predicted: point.clone(), point, changes, foreseen: None };
+        return Guess { predicted: point.clone(), point, changes, estimate: None };
     };
     point.inputs.penetration_depth += approach;
-    let mut foreseen = Foreseen { step: system.relative_size(&point.unknowns, &update), corrected: 0.0 };
+    let mut estimate = PredictorEstimate { step: system.relative_size(&point.unknowns, &update), corrected: 0.0 };
     system.apply(&mut point.unknowns, &update, &point.active);
     let predicted = point.clone();
-    if let Some((miss, share)) = kept.and_then(|kept| kept.miss.as_ref()).and_then(|m| Some((m, m.share(changes)?))) {
-        let mut correction: Vec<f64> = miss.next.iter().map(|missed| -share * missed).collect();
+    if let Some((predictor_error, share)) =
+        reusable.and_then(|reusable| reusable.predictor_error.as_ref()).and_then(|m| Some((m, m.share(changes)?)))
+    {
+        let mut correction: Vec<f64> = predictor_error.next.iter().map(|missed| -share * missed).collect();
         let approach = -correction.pop().unwrap_or_default();
-        foreseen.corrected = system.relative_size(&point.unknowns, &correction);
+        estimate.corrected = system.relative_size(&point.unknowns, &correction);
         system.apply(&mut point.unknowns, &correction, &point.active);
         if control == Control::Load {
             point.inputs.penetration_depth += approach;
         }
     }
-    Guess { point, predicted, changes, foreseen: Some(foreseen) }
+    Guess { point, predicted, changes, estimate: Some(estimate) }
 }
 
 /// What to subtract from the unknowns for these changes of depth, speed and slide-to-roll ratio, by a tangent formed nearby; and the
@@ -162,14 +166,14 @@ pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, contr
 fn along(
     bodies: &mut Bodies,
     point: &Point,
-    place: &Place,
+    linearization: &LinearizationPoint,
     target: &Target,
     control: Control,
 ) -> Result<(Vec<f64>, f64), Singular> {
-    if place.point.mirrored != point.mirrored {
+    if linearization.point.mirrored != point.mirrored {
         return Err(Singular);
     }
-    bodies.form(place)?;
+    bodies.form(linearization)?;
     let mirrored = point.mirrored;
     let mut changes = changes(&point.target(), target, Control::Depth);
     if point.mirrored {

@@ -14,7 +14,7 @@ const LONGEST_RELAXATION: usize = 2000;
 const FIRST_STEP: f64 = 2e-5;
 /// After a step of this length time plays no part \[s\].
 const LONGEST_STEP: f64 = 1e6;
-/// How far the bones approach in one such step of a millisecond or more, as a share of the layers' thickness; in proportion less
+/// How far the bones approach in one such step of a millisecond or more, as a fraction of the layers' thickness; in proportion less
 /// in shorter ones.
 const RELAXING_APPROACH: f64 = 0.02;
 
@@ -32,16 +32,16 @@ pub(super) fn relax(
     // On the mesh of the target all the way.
     let contact = bodies.contact_half_width(&to.inputs, control);
     if contact != state.contact_half_width {
-        state = carry(bodies, &Steady { point: state, kept: None, before: None }, &start, contact, control);
+        state = carry(bodies, &Steady { point: state, reusable: None, before: None }, &start, contact, control);
     }
     state.thickening = to.thickening;
-    let mut before = bodies.system_of(&state).contents(&state.unknowns, &state.inputs);
+    let mut before = bodies.system_of(&state).stored_volumes(&state.unknowns, &state.inputs);
     let approach = match control {
         Control::Depth => (to.inputs.penetration_depth - start.inputs.penetration_depth).abs(),
         Control::Load => 0.0,
     };
     let thickness = bodies.parameters.upper.thickness.min(bodies.parameters.lower.thickness);
-    let stride = |step: f64| RELAXING_APPROACH * thickness / approach * (step / 1e-3).min(1.0);
+    let increment = |step: f64| RELAXING_APPROACH * thickness / approach * (step / 1e-3).min(1.0);
     let settings = newton::Settings {
         tolerance: 1e-2,
         maximum_iterations: RELAXING_ITERATIONS,
@@ -59,7 +59,7 @@ pub(super) fn relax(
             }
             quick = 0;
         }
-        let next = f64::min(done + stride(step), 1.0);
+        let next = f64::min(done + increment(step), 1.0);
         let given = between(&start, to, next, control, false).inputs;
         let rates = Rates::backward_euler(step, &before);
         let mut guess = state.clone();
@@ -67,13 +67,13 @@ pub(super) fn relax(
             let approach = given.penetration_depth - state.inputs.penetration_depth;
             bodies.system(mirrored).compress(&mut guess.unknowns, approach);
         }
-        let task = Task { inputs: &given, rates: Some(&rates), control, settings, kept: None };
+        let task = Task { inputs: &given, rates: Some(&rates), control, settings, reusable: None };
         let (result, iterations) = bodies.settle(guess, &task);
         spent += iterations;
         match result {
             Ok(solved) => {
                 state = solved;
-                before = bodies.system_of(&state).contents(&state.unknowns, &state.inputs);
+                before = bodies.system_of(&state).stored_volumes(&state.unknowns, &state.inputs);
                 patience -= 1;
                 if patience < 0 {
                     step *= if iterations < 6 { 2.5 } else { 1.4 };

@@ -1,7 +1,7 @@
 //! The way to a steady state: steps of what is given, and where they fail, motion in time that comes to rest.
 
-use super::bodies::{Bodies, Foreseen, Place, Point, Task};
-use super::predictor::{Guess, Kept, Miss, Target, carry, predict};
+use super::bodies::{Bodies, LinearizationPoint, Point, PredictorEstimate, Task};
+use super::predictor::{Guess, PredictorError, ReusableTangent, Target, carry, predict};
 use super::relaxation::relax;
 use crate::equations::grid;
 use crate::error::Error;
@@ -13,7 +13,7 @@ use crate::solver::{continuation, newton};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Steady {
     pub point: Point,
-    pub kept: Option<Box<Kept>>,
+    pub reusable: Option<Box<ReusableTangent>>,
     /// The state before, where the mesh goes with the contact.
     pub before: Option<Box<Point>>,
 }
@@ -27,7 +27,7 @@ const LARGE_UPDATES: usize = 8;
 
 /// How many times its own viscosity a film has on the way to a state from rest: so thick that the edges of a contact may move.
 const THICKENING: f64 = 100.0;
-/// From what depth on it has, as a share of a layer's thickness.
+/// From what depth on it has, as a fraction of a layer's thickness.
 const DEEP: f64 = 0.03;
 
 /// Least load for which there is a steady film worth the name \[N/m\].
@@ -45,7 +45,8 @@ pub(super) fn solve(
         let allowed = format!("{LEAST_LOAD:e} N/m or more: with less the surfaces part, and there is no steady state");
         return Err(Error::value("applied_load", inputs.applied_load, allowed));
     }
-    let warm = from.map(|from| travel(bodies, &from, Target { inputs: *inputs, thickening: 1.0 }, control, iterations));
+    let warm =
+        from.map(|from| continue_to(bodies, &from, Target { inputs: *inputs, thickening: 1.0 }, control, iterations));
     let result = match warm {
         Some(Ok(state)) => return Ok(state),
         Some(Err(stuck)) if stuck.reason == UNRESOLVED => Err(stuck),
@@ -83,10 +84,10 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
     let point = Point { thickening, ..bodies.rest(inputs) };
     let apart = Inputs { penetration_depth: point.inputs.penetration_depth, ..*inputs };
     let pressed = Inputs { penetration_depth: depth, ..*inputs };
-    let mut state = Steady { point, kept: None, before: None };
+    let mut state = Steady { point, reusable: None, before: None };
     for inputs in [apart, pressed] {
         let target = Target { inputs, thickening };
-        state = match travel(bodies, &state, target, Control::Depth, iterations) {
+        state = match continue_to(bodies, &state, target, Control::Depth, iterations) {
             Ok(state) => state,
             Err(stuck) if stuck.reason == UNRESOLVED => return Err(stuck),
             Err(stuck) => relaxed(bodies, &stuck.state, &target, Control::Depth, iterations)?,
@@ -137,7 +138,7 @@ fn unresolved(bodies: &mut Bodies, point: &Point) -> bool {
 }
 
 /// Goes from one state to another by steps of what is given.
-fn travel(
+fn continue_to(
     bodies: &mut Bodies,
     from: &Steady,
     to: Target,
@@ -174,25 +175,25 @@ fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -
     if contact != from.point.contact_half_width || target.thickening != from.point.thickening {
         let guess = carry(bodies, from, target, contact, control);
         let guess = bodies.converted(guess, mirrored);
-        let kept = from.kept.as_ref().map(|kept| (&kept.place, Foreseen::default()));
-        let (result, spent) = settle(bodies, guess, inputs, control, kept);
+        let reusable = from.reusable.as_ref().map(|reusable| (&reusable.linearization, PredictorEstimate::default()));
+        let (result, spent) = settle(bodies, guess, inputs, control, reusable);
         let before = Some(Box::new(from.point.clone()));
         return (result.map(|state| Steady { before, ..state }), spent);
     }
-    let Guess { point, predicted, changes, foreseen } = predict(bodies, from, target, control);
+    let Guess { point, predicted, changes, estimate } = predict(bodies, from, target, control);
     let guess = bodies.converted(point, mirrored);
-    let kept = from.kept.as_ref().map(|kept| &kept.place);
-    let (result, mut spent) = settle(bodies, guess, inputs, control, kept.zip(foreseen));
+    let reusable = from.reusable.as_ref().map(|reusable| &reusable.linearization);
+    let (result, mut spent) = settle(bodies, guess, inputs, control, reusable.zip(estimate));
     let mut state = match result {
         Ok(state) => state,
         Err(reason) => return (Err(reason), spent),
     };
-    if let (Some(new), Some(old)) = (&mut state.kept, kept)
-        && new.place == *old
+    if let (Some(new), Some(old)) = (&mut state.reusable, reusable)
+        && new.linearization == *old
         && state.point.mirrored == predicted.mirrored
     {
-        let before = from.kept.as_ref().and_then(|kept| kept.miss.as_ref());
-        new.miss = Some(Miss::new(before, changes, &state.point, &predicted));
+        let before = from.reusable.as_ref().and_then(|reusable| reusable.predictor_error.as_ref());
+        new.predictor_error = Some(PredictorError::new(before, changes, &state.point, &predicted));
     }
     // Boundary friction pulls the two bodies apart sideways; without it they are mirror images again.
     match (state.point.mirrored, bodies.drags(&state.point)) {
@@ -203,12 +204,12 @@ fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -
             (result, spent)
         }
         (false, false) if bodies.may_mirror(inputs) => {
-            let mut kept = state.kept;
-            if let Some(kept) = &mut kept {
-                kept.place.point = bodies.converted(kept.place.point.clone(), true);
-                kept.miss = None;
+            let mut reusable = state.reusable;
+            if let Some(reusable) = &mut reusable {
+                reusable.linearization.point = bodies.converted(reusable.linearization.point.clone(), true);
+                reusable.predictor_error = None;
             }
-            (Ok(Steady { point: bodies.converted(state.point, true), kept, before: None }), spent)
+            (Ok(Steady { point: bodies.converted(state.point, true), reusable, before: None }), spent)
         }
         _ => (Ok(state), spent),
     }
@@ -220,7 +221,7 @@ pub(super) fn settle(
     guess: Point,
     target: &Inputs,
     control: Control,
-    kept: Option<(&Place, Foreseen)>,
+    reusable: Option<(&LinearizationPoint, PredictorEstimate)>,
 ) -> (Result<Steady, String>, usize) {
     let tolerance = bodies.parameters.tolerance;
     let settings = newton::Settings {
@@ -230,11 +231,13 @@ pub(super) fn settle(
         most_large: if grid::moves(&bodies.parameters) { LARGE_UPDATES } else { ITERATIONS },
         deadline: bodies.deadline,
     };
-    let task = Task { inputs: target, rates: None, control, settings, kept };
+    let task = Task { inputs: target, rates: None, control, settings, reusable };
     let mirrored = guess.mirrored;
     let (result, spent) = bodies.settle(guess, &task);
-    let kept = bodies.place(mirrored).map(|place| Box::new(Kept { place: place.clone(), miss: None }));
-    (result.map(|point| Steady { point, kept, before: None }), spent)
+    let reusable = bodies
+        .linearization(mirrored)
+        .map(|linearization| Box::new(ReusableTangent { linearization: linearization.clone(), predictor_error: None }));
+    (result.map(|point| Steady { point, reusable, before: None }), spent)
 }
 
 /// Depths of contacts grow by the same factor in equal fractions of the way, counted from this much clearance \[m\].

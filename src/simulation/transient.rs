@@ -6,10 +6,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, Foreseen, Place, Point, Task};
+use super::bodies::{Bodies, LinearizationPoint, Point, PredictorEstimate, Task};
 use super::drive::Drive;
 use super::steady::PATIENCE;
-use crate::equations::system::{Contents, Rates};
+use crate::equations::system::{Rates, StoredVolumes};
 use crate::error::Error;
 use crate::parameters::Control;
 use crate::solver::deadline::Deadline;
@@ -63,12 +63,12 @@ impl Trend {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Motion {
     /// Rates of change of what is stored, at the end.
-    pub rate: Contents,
+    pub rate: StoredVolumes,
     pub trend: Trend,
     /// Length of the next internal step \[s\].
     suggestion: f64,
     /// Where the last tangent was formed.
-    pub kept: Option<Place>,
+    pub reusable: Option<LinearizationPoint>,
     /// How the last communication step went, for its derivatives.
     pub last: LastStep,
 }
@@ -83,12 +83,12 @@ impl Motion {
     pub fn fits(&self, unknowns: usize, columns: usize) -> bool {
         let fits = |values: &Vec<f64>| values.is_empty() || values.len() == unknowns + 1;
         let trend = |trend: &Trend| fits(&trend.rates) && fits(&trend.changes);
-        let rates = self.kept.as_ref().and_then(|place| place.rates.as_ref());
-        let contents = |contents: &Contents| contents.film.len() == columns;
+        let rates = self.reusable.as_ref().and_then(|linearization| linearization.rates.as_ref());
+        let stored_volumes = |stored_volumes: &StoredVolumes| stored_volumes.film.len() == columns;
         trend(&self.trend)
             && trend(&self.last.trend)
-            && contents(&self.rate)
-            && rates.is_none_or(|rates| contents(&rates.history))
+            && stored_volumes(&self.rate)
+            && rates.is_none_or(|rates| stored_volumes(&rates.history))
     }
 }
 
@@ -104,7 +104,7 @@ pub(super) struct LastStep {
 }
 
 impl LastStep {
-    /// What contact the mesh is made for after a share of the step \[m\].
+    /// What contact the mesh is made for after a fraction of the step \[m\].
     fn contact_half_width(&self, share: f64) -> f64 {
         let [from, to] = [self.start.contact_half_width, self.contact_half_width];
         if from == to { from } else { from * (to / from).powf(share) }
@@ -117,35 +117,39 @@ pub(super) struct Stage {
     pub point: Point,
     pub rates: Rates,
     /// Rates of change of what is stored.
-    pub rate: Contents,
-    contents: Contents,
+    pub rate: StoredVolumes,
+    stored_volumes: StoredVolumes,
     /// Its unknowns as the mesh carried them along from the state before.
     carried: Point,
 }
 
 /// The rest of a stage's difference formula. Linear in what was stored before and in the rates of the first stage: changes
 /// follow the same formula.
-pub(super) fn history(stage: &runge_kutta::Stage, before: &Contents, first: Option<&Contents>) -> Contents {
+pub(super) fn history(
+    stage: &runge_kutta::Stage,
+    before: &StoredVolumes,
+    first: Option<&StoredVolumes>,
+) -> StoredVolumes {
     before.combined(stage.before, stage.first, first.unwrap_or(before))
 }
 
 /// Where a march is.
-struct Walker<'a> {
+struct TimeStepper<'a> {
     course: &'a LastStep,
     duration: f64,
     point: Point,
-    contents: Contents,
+    stored_volumes: StoredVolumes,
     trend: Trend,
     /// Where the last tangent was formed.
-    kept: Option<Place>,
+    reusable: Option<LinearizationPoint>,
     iterations: usize,
 }
 
-impl<'a> Walker<'a> {
-    fn new(bodies: &mut Bodies, course: &'a LastStep, duration: f64, kept: Option<Place>) -> Self {
+impl<'a> TimeStepper<'a> {
+    fn new(bodies: &mut Bodies, course: &'a LastStep, duration: f64, reusable: Option<LinearizationPoint>) -> Self {
         let point = course.start.clone();
-        let contents = bodies.system_of(&point).contents(&point.unknowns, &point.inputs);
-        Self { course, duration, point, contents, trend: course.trend.clone(), kept, iterations: 0 }
+        let stored_volumes = bodies.system_of(&point).stored_volumes(&point.unknowns, &point.inputs);
+        Self { course, duration, point, stored_volumes, trend: course.trend.clone(), reusable, iterations: 0 }
     }
 
     /// Both stages of an internal step; `visit` is told of each with the time from the start of the march.
@@ -191,7 +195,7 @@ impl<'a> Walker<'a> {
             Control::Depth => system.compress(&mut guess.unknowns, inputs.penetration_depth - followed),
             Control::Load => guess.inputs.penetration_depth = followed,
         }
-        let history = history(&formula, &self.contents, first.map(|first| &first.rate));
+        let history = history(&formula, &self.stored_volumes, first.map(|first| &first.rate));
         let rates = Rates { rate: formula.present, history };
         let settings = newton::Settings {
             tolerance: parameters.tolerance,
@@ -200,31 +204,31 @@ impl<'a> Walker<'a> {
             most_large: LARGE_UPDATES,
             deadline: bodies.deadline,
         };
-        let kept = self.kept.as_ref().map(|place| (place, Foreseen::default()));
-        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings, kept };
+        let reusable = self.reusable.as_ref().map(|linearization| (linearization, PredictorEstimate::default()));
+        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings, reusable };
         let (point, iterations) = bodies.settle(guess, &task);
         self.iterations += iterations;
         let point = point?;
-        let place = bodies.place(point.mirrored);
-        if self.kept.as_ref() != place {
-            self.kept = place.cloned();
+        let linearization = bodies.linearization(point.mirrored);
+        if self.reusable.as_ref() != linearization {
+            self.reusable = linearization.cloned();
         }
-        let contents = bodies.system_of(&point).contents(&point.unknowns, &point.inputs);
-        let rate = rates.of(&contents);
-        Ok(Stage { formula, point, rates, rate, contents, carried })
+        let stored_volumes = bodies.system_of(&point).stored_volumes(&point.unknowns, &point.inputs);
+        let rate = rates.of(&stored_volumes);
+        Ok(Stage { formula, point, rates, rate, stored_volumes, carried })
     }
 
-    fn accept(&mut self, bodies: &Bodies, [first, second]: [Stage; 2], step: f64) -> Contents {
+    fn accept(&mut self, bodies: &Bodies, [first, second]: [Stage; 2], step: f64) -> StoredVolumes {
         let between = (1.0 - GAMMA) * step;
         let film = second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film;
         let mut trend = self.trend.followed(&second.carried, &second.point, between, step);
         if bodies.parameters.cavitation {
-            // A film that tears and heals moves with kinks.
+            // A film that cavitates and heals moves with kinks.
             trend.changes.clear();
         }
         self.trend = Trend { film, ..trend };
         self.point = second.point;
-        self.contents = second.contents;
+        self.stored_volumes = second.stored_volumes;
         second.rate
     }
 }
@@ -263,8 +267,8 @@ pub(super) fn advance(
         if apart && start.start.mirrored {
             separate(bodies, &mut start, &mut rate);
         }
-        let kept = motion.and_then(|motion| motion.kept.clone());
-        let (result, iterations) = march(bodies, &start, rate.clone(), drive, duration, suggestion, kept);
+        let reusable = motion.and_then(|motion| motion.reusable.clone());
+        let (result, iterations) = integrate(bodies, &start, rate.clone(), drive, duration, suggestion, reusable);
         spent += iterations;
         match result {
             Ok((point, motion)) => return Ok((point, motion, spent)),
@@ -283,7 +287,7 @@ pub(super) fn advance(
 }
 
 /// From a mirrored pair to two bodies.
-fn separate(bodies: &mut Bodies, start: &mut LastStep, rate: &mut Option<Contents>) {
+fn separate(bodies: &mut Bodies, start: &mut LastStep, rate: &mut Option<StoredVolumes>) {
     start.trend = Trend { film: std::mem::take(&mut start.trend.film), ..Trend::default() };
     start.start = bodies.converted(start.start.clone(), false);
     if let Some(rate) = rate {
@@ -293,7 +297,7 @@ fn separate(bodies: &mut Bodies, start: &mut LastStep, rate: &mut Option<Content
 
 /// The same motion in the unknowns of two bodies.
 pub(super) fn apart(bodies: &mut Bodies, motion: &Motion) -> Motion {
-    let mut motion = Motion { kept: None, ..motion.clone() };
+    let mut motion = Motion { reusable: None, ..motion.clone() };
     let mut rate = Some(motion.rate.clone());
     separate(bodies, &mut motion.last, &mut rate);
     motion
@@ -305,18 +309,18 @@ enum Stop {
     Stuck { time: f64, reason: String },
 }
 
-fn march(
+fn integrate(
     bodies: &mut Bodies,
     start: &LastStep,
-    mut rate: Option<Contents>,
+    mut rate: Option<StoredVolumes>,
     drive: &Drive,
     duration: f64,
     suggestion: f64,
-    kept: Option<Place>,
+    reusable: Option<LinearizationPoint>,
 ) -> (Result<(Point, Motion), Stop>, usize) {
     let longest = bodies.parameters.maximum_internal_step;
     let shortest = f64::from(-HALVINGS).exp2();
-    let mut walker = Walker::new(bodies, start, duration, kept);
+    let mut stepper = TimeStepper::new(bodies, start, duration, reusable);
     let (mut done, mut wanted, mut steps) = (0.0, suggestion, Vec::new());
     let mut trials = 0;
     while done < 1.0 {
@@ -326,38 +330,38 @@ fn march(
         let stuck = |reason| Stop::Stuck { time, reason };
         if trials > MOST_TRIALS {
             let reason = format!("{MOST_TRIALS} internal steps were not enough");
-            return (Err(stuck(reason)), walker.iterations);
+            return (Err(stuck(reason)), stepper.iterations);
         }
-        match walker.stages(bodies, drive, time, step, |_, _, _| Ok(())) {
+        match stepper.stages(bodies, drive, time, step, |_, _, _| Ok(())) {
             Ok([_, second]) if second.point.mirrored && bodies.drags(&second.point) => {
-                return (Err(Stop::Dragged), walker.iterations);
+                return (Err(Stop::Dragged), stepper.iterations);
             }
             Ok(stages) => {
                 let factor = match growth(bodies, &stages, rate.as_ref()) {
                     Ok(factor) => factor,
-                    Err(reason) => return (Err(stuck(reason)), walker.iterations),
+                    Err(reason) => return (Err(stuck(reason)), stepper.iterations),
                 };
                 if factor < 1.0 && share > shortest {
                     wanted = step * (0.9 * factor).clamp(0.1, 0.4);
                     continue;
                 }
-                rate = Some(walker.accept(bodies, stages, step));
+                rate = Some(stepper.accept(bodies, stages, step));
                 steps.push(step);
                 done += share;
                 wanted = step * (0.9 * factor).min(4.0);
             }
             Err(_) if share > shortest => wanted = 0.2 * step,
-            Err(reason) => return (Err(stuck(reason)), walker.iterations),
+            Err(reason) => return (Err(stuck(reason)), stepper.iterations),
         }
     }
-    let Walker { point, trend, kept, iterations, .. } = walker;
+    let TimeStepper { point, trend, reusable, iterations, .. } = stepper;
     let last = LastStep { steps, ..start.clone() };
-    let motion = rate.map(|rate| Motion { rate, trend, suggestion: wanted, kept, last });
+    let motion = rate.map(|rate| Motion { rate, trend, suggestion: wanted, reusable, last });
     let end = motion.map(|motion| (point, motion));
     (end.ok_or_else(|| Stop::Stuck { time: 0.0, reason: "the step has no length".into() }), iterations)
 }
 
-/// The next internal step as a share of the communication step: one over a power of two, not above `most`, and ending where
+/// The next internal step as a fraction of the communication step: one over a power of two, not above `most`, and ending where
 /// steps of that length end.
 fn share_of_step(done: f64, most: f64) -> f64 {
     let mut share = most.min(1.0).log2().floor().exp2();
@@ -369,10 +373,10 @@ fn share_of_step(done: f64, most: f64) -> f64 {
 }
 
 /// By how much the step could have been longer for the error that is allowed; below 1 it was too long.
-fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Contents>) -> Result<f64, String> {
+fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&StoredVolumes>) -> Result<f64, String> {
     let allowed = bodies.parameters.relative_tolerance;
     let system = bodies.system_of(&second.point);
-    let size = |error: Contents| {
+    let size = |error: StoredVolumes| {
         let mut update = vec![0.0; system.unknowns()];
         system.add_storage(&second.point.unknowns, &second.point.inputs, &error, &mut update);
         system.solve(&mut update).map_err(|singular| singular.to_string())?;
@@ -400,11 +404,11 @@ pub(super) fn replay(
 ) -> Result<(), String> {
     // Long after the step, perhaps.
     bodies.deadline = Deadline::after(bodies.parameters.maximum_solve_time);
-    let mut walker = Walker::new(bodies, last, duration, None);
+    let mut stepper = TimeStepper::new(bodies, last, duration, None);
     let mut time = 0.0;
     for step in &last.steps {
-        let stages = walker.stages(bodies, drive, time, *step, &mut visit)?;
-        walker.accept(bodies, stages, *step);
+        let stages = stepper.stages(bodies, drive, time, *step, &mut visit)?;
+        stepper.accept(bodies, stages, *step);
         time += step;
     }
     Ok(())

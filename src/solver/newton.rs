@@ -30,8 +30,9 @@ pub trait Problem {
     /// Size of an update relative to the unknowns.
     fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64;
 
-    /// Whether there is a factorisation from before for the discrete state of the last residual; and what was foreseen with it.
-    fn kept(&mut self) -> Option<Foreseen> {
+    /// Whether there is a reusable tangent, factorised before, for the discrete state of the last residual; and what the predictor
+    /// estimated with it.
+    fn reusable_tangent(&mut self) -> Option<PredictorEstimate> {
         None
     }
 
@@ -41,16 +42,16 @@ pub trait Problem {
     }
 }
 
-/// How the first unknowns came about; sizes are relative to the fields.
+/// How a predictor found the first unknowns; sizes are relative to the fields.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Foreseen {
-    /// Size of the step to them by the kept tangent; 0 where there was none.
+pub struct PredictorEstimate {
+    /// Size of the step to them by the reusable tangent; 0 where there was none.
     pub step: f64,
     /// Size of what was added in place of a first update.
     pub corrected: f64,
 }
 
-/// Broyden's update of a kept tangent by the steps that were taken with it, each the solution's whole step: C. T. Kelley, Solving
+/// Broyden's update of a reusable tangent by the steps that were taken with it, each the solution's whole step: C. T. Kelley, Solving
 /// Nonlinear Equations with Newton's Method, SIAM 2003, section 4. What the tangent misses in a few directions is learned from
 /// the residuals, and the steps shrink faster than a geometric series.
 #[derive(Default)]
@@ -66,14 +67,14 @@ impl Broyden {
         a.iter().zip(b).zip(&self.weights).map(|((a, b), weight)| weight * weight * a * b).sum()
     }
 
-    /// Turns the solution with the kept tangent into that with the updated one.
+    /// Turns the solution with the reusable tangent into that with the updated one.
     fn correct(&self, update: &mut [f64]) {
         for (index, (step, square)) in self.steps.iter().enumerate() {
-            let share = self.product(step, update) / square;
+            let ratio = self.product(step, update) / square;
             // The last step was followed by this update, and by no other yet.
             match self.steps.get(index + 1) {
-                Some((next, _)) => update.iter_mut().zip(next).for_each(|(u, s)| *u += share * s),
-                None if share < LARGEST_SHARE => update.iter_mut().for_each(|u| *u /= 1.0 - share),
+                Some((next, _)) => update.iter_mut().zip(next).for_each(|(u, s)| *u += ratio * s),
+                None if ratio < LARGEST_RATIO => update.iter_mut().for_each(|u| *u /= 1.0 - ratio),
                 None => {}
             }
         }
@@ -94,7 +95,7 @@ pub struct Settings {
     pub tolerance: f64,
     /// Most iterations that form a tangent.
     pub maximum_iterations: usize,
-    /// A factorisation is kept as long as the contraction of the updates promises the solution within so many further iterations,
+    /// A tangent is reused as long as the contraction of the updates promises the solution within so many further iterations,
     /// and the discrete state stays; 0 is Newton's method in full. About what a factorisation costs in iterations without.
     pub patience: f64,
     /// After so many updates larger than the unknowns it is quicker to start again from nearer by.
@@ -112,14 +113,14 @@ pub struct Failure {
     pub iterations: usize,
 }
 
-/// An update of this relative size changes the tangent too much for it to be kept.
+/// An update of this relative size changes the tangent too much for it to be reused.
 const LARGE: f64 = 0.3;
 
 /// Why a solution was given up that might have been found.
 const OVER: &str = "maximum_solve_time is over";
 
 /// Broyden's update is left out where it would divide by less than one minus this.
-const LARGEST_SHARE: f64 = 0.8;
+const LARGEST_RATIO: f64 = 0.8;
 
 /// Solves in place; returns the number of iterations. `residual` ends as the residual at the solution.
 ///
@@ -138,11 +139,11 @@ pub fn solve(
     let mut update = vec![0.0; unknowns.len()];
     let mut broyden = Broyden::default();
     problem.residual(unknowns, residual).map_err(|reason| fail(reason, 0))?;
-    let kept = if settings.patience > 0.0 { problem.kept() } else { None };
-    let mut corrected = kept.map_or(0.0, |foreseen| foreseen.corrected);
-    let foreseen = kept.map(|foreseen| foreseen.step).filter(|size| *size > 0.0).unwrap_or(f64::INFINITY);
+    let estimate = if settings.patience > 0.0 { problem.reusable_tangent() } else { None };
+    let mut corrected = estimate.map_or(0.0, |estimate| estimate.corrected);
+    let predicted = estimate.map(|estimate| estimate.step).filter(|size| *size > 0.0).unwrap_or(f64::INFINITY);
     // `previous` is the size of the last update, as far as the next one says how fast they shrink.
-    let (mut stale, mut previous) = (kept.is_none(), foreseen);
+    let (mut stale, mut previous) = (estimate.is_none(), predicted);
     let (mut iterations, mut formed, mut converged, mut lost) = (0, 0, false, 0);
     while !stale || formed < settings.maximum_iterations {
         if settings.deadline.passed() {
@@ -283,13 +284,13 @@ mod tests {
     }
 
     #[test]
-    fn a_factorisation_is_kept_while_it_serves() {
+    fn a_tangent_is_reused_while_it_serves() {
         let function = |z: f64| (z * z - 2.0, 2.0 * z);
         for start in [1.5, 3.0] {
-            let (result, z, kept) = run(function, start, 8.0);
+            let (result, z, reused) = run(function, start, 8.0);
             let (_, _, renewed) = run(function, start, 0.0);
             assert!((z - 2.0_f64.sqrt()).abs() < 1e-10);
-            assert!(kept.factorised < renewed.factorised && result.unwrap() > kept.factorised);
+            assert!(reused.factorised < renewed.factorised && result.unwrap() > reused.factorised);
         }
     }
 

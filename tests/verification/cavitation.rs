@@ -1,7 +1,7 @@
-//! Films that tear, between layers so stiff that they are rigid, whose pores take no part: rupture and reformation as in the theory of
+//! Films that cavitate, between layers so stiff that they are rigid, whose pores take no part: rupture and reformation as in the theory of
 //! Jakobsson, Floberg and Olsson (see Elrod 1981, J. Lubr. Technol. 103), against quadratures.
 //!
-//! The gap is that of the two circles, on |x| <= L where p = 0; the film is torn at the cavitation pressure p_c.
+//! The gap is that of the two circles, on |x| <= L where p = 0; the film is cavitated at the cavitation pressure p_c.
 
 use std::f64::consts::PI;
 
@@ -47,7 +47,7 @@ fn tearing(columns: i32, cavitation_pressure: f64) -> Parameters {
     parameters
 }
 
-/// A rolling pair. Where the film is torn the flux is U h_r/2, h_r the gap at rupture, where p = p_c and p' = 0; it forms again where
+/// A rolling pair. Where the film is cavitated the flux is U h_r/2, h_r the gap at rupture, where p = p_c and p' = 0; it forms again where
 /// p rises from p_c to 0 at the end.
 struct Rolling {
     rupture: f64,
@@ -81,7 +81,7 @@ fn rolled(columns: i32, clearance: f64, cavitation_pressure: f64, speed: f64) ->
     (simulation, outputs)
 }
 
-/// On an unbounded parabola torn at ambient pressure: W = 2.4478 eta U R/h0, torn from x = 0.4754 sqrt(2 R h0) on (Martin 1916).
+/// On an unbounded parabola cavitated at ambient pressure: W = 2.4478 eta U R/h0, cavitated from x = 0.4754 sqrt(2 R h0) on (Martin 1916).
 #[test]
 fn the_quadrature_agrees_with_the_closed_form() {
     let exact = rolling(|x| 10e-6 + 0.5 * x * x / R, 0.1, 0.0);
@@ -89,7 +89,7 @@ fn the_quadrature_agrees_with_the_closed_form() {
     assert_relative_eq!(exact.rupture, 0.4754 * (2.0 * R * 10e-6).sqrt(), max_relative = 1e-3);
 }
 
-/// Varied: clearance, cavitation pressure, direction. Load to 5e-3 on 120 elements; the ends of the torn film to one element; flux to
+/// Varied: clearance, cavitation pressure, direction. Load to 5e-3 on 120 elements; the ends of the cavitated film to one element; flux to
 /// 5e-3; no pressure at a node below that of cavitation by more than round-off.
 #[test]
 fn a_rolling_film_tears_and_forms_again() {
@@ -101,8 +101,8 @@ fn a_rolling_film_tears_and_forms_again() {
             assert!(outputs.minimum_fluid_pressure > cavitation_pressure - 1e-6, "{}", outputs.minimum_fluid_pressure);
             let fields = simulation.fields().unwrap().interface;
             let last = fields.position.len() - 1;
-            let torn: Vec<usize> = (0..=last).filter(|i| fields.void_thickness[*i] > 1e-15).collect();
-            let (first, final_) = (torn[0], torn[torn.len() - 1]);
+            let cavitated: Vec<usize> = (0..=last).filter(|i| fields.void_thickness[*i] > 1e-15).collect();
+            let (first, final_) = (cavitated[0], cavitated[cavitated.len() - 1]);
             let ends = [exact.rupture, exact.reformation].map(|x| direction * x);
             let [from, to] = if direction > 0.0 { ends } else { [ends[1], ends[0]] };
             for (i, x) in [(first, from), (final_, to)] {
@@ -112,7 +112,7 @@ fn a_rolling_film_tears_and_forms_again() {
             assert_relative_eq!(outputs.cavitated_length, to - from, max_relative = 0.05);
             // Half an element off the ends, where the pressure drives no flow.
             let flux = 0.5 * direction * U * gap(clearance, exact.rupture);
-            for i in torn[2..torn.len() - 2].iter().copied() {
+            for i in cavitated[2..cavitated.len() - 2].iter().copied() {
                 let full = 1.0 - fields.void_thickness[i] / fields.film_thickness[i];
                 assert!((0.0..=1.0).contains(&full));
                 // From node to node the mean gap between them carries it.
@@ -137,7 +137,7 @@ fn a_rolling_film_converges() {
     assert!(errors[3] < 2e-3 && observed.iter().sum::<f64>() / 3.0 > 1.0, "{errors:?} {observed:?}");
 }
 
-/// Two bodies that part at a speed w. The middle, |x| < a, tears at once to where the film outside can still fill up:
+/// Two bodies that part at a speed w. The middle, |x| < a, cavitates at once to where the film outside can still fill up:
 /// int_a^L 12 eta w (x - a)/h^3 dx = -p_c. The gap of the void grows by w, and the flow q into it from outside, with
 /// p' = 12 eta (w (x - a) + q)/h^3, closes it: da/dt = -q/(w t). Varied: time. The edge to one element, the load to 2 %.
 #[test]
@@ -172,7 +172,7 @@ fn a_film_pulled_apart_tears_and_heals() {
             time += step;
         }
         let outputs = simulation.outputs();
-        println!("t {time}: torn {} and {}, load {}", outputs.cavitated_length, 2.0 * edge, outputs.load);
+        println!("t {time}: cavitated {} and {}, load {}", outputs.cavitated_length, 2.0 * edge, outputs.load);
         if edge == 0.0 {
             continue;
         }

@@ -193,7 +193,7 @@ fn of_a_thinning_fluid() {
     }
 }
 
-/// Where the film is torn: fully void downstream, torn and formed again, and beside contact.
+/// Where the film is cavitated: fully void downstream, cavitated and formed again, and beside contact.
 #[test]
 fn where_the_film_is_torn() {
     for formulation in [Formulation::Paper, Formulation::Consistent] {

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! where the mean is a sum over 400 x 400 directions here, and over 24 x 5 in the elements, whose error is below 1 % of the fibres'
-//! share (their tests), so that the strain across may be 2 % of that along. Compared: uniaxial tension (P_yy = 0), unconfined compression drained (P_xx = 0) and undrained (J = 1, the pore
+//! fraction (their tests), so that the strain across may be 2 % of that along. Compared: uniaxial tension (P_yy = 0), unconfined compression drained (P_xx = 0) and undrained (J = 1, the pore
 //! pressure carries the difference), confined compression (no fibre pulls: benchmark of the neo-Hookean solid, to round-off) and
 //! extension at small strain (modulus H_A + 4 xi/5 of the power law). Varied: exponents, stretch.
 

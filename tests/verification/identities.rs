@@ -134,8 +134,9 @@ fn energy_and_mass_of_the_film() {
                     assert!((all - carried).abs() < 1e-9 * size, "{all} and {carried} of {size}");
                 }
                 let places = pair.places();
-                let integral =
-                    |f: &dyn Fn(&crate::pair::Place) -> f64| -> f64 { places.iter().map(|p| p.weight * f(p)).sum() };
+                let integral = |f: &dyn Fn(&crate::pair::InterfacePoint) -> f64| -> f64 {
+                    places.iter().map(|p| p.weight * f(p)).sum()
+                };
                 let eta = parameters.viscosity;
                 let driven = integral(&|p| 0.5 * U * p.film_thickness.max(0.0) * p.pressure_gradient);
                 let lost =

@@ -210,7 +210,7 @@ fn a_thin_undrained_layer_carries_what_an_incompressible_one_does() {
 }
 
 /// Depths, loads and bands of the one-purpose code, which has no columns of ours: load 0.6 % (0.3 % of the depth), least film and pressure
-/// 2 %. The share of the fluid is that of a resolved mesh only, see `rough_states_on_twice_the_mesh`.
+/// 2 %. The fraction of the fluid is that of a resolved mesh only, see `rough_states_on_twice_the_mesh`.
 #[test]
 fn a_rough_joint_of_ten_kilonewton_per_metre() {
     let o = solved(&rough(1e-6), inputs(454.1, U, 0.0));
@@ -271,7 +271,7 @@ fn the_scheme_of_rough_films_is_of_second_order_where_they_are_thick() {
             let errors = [40, 80, 160, 320].map(error);
             let observed = orders(&errors);
             println!("order {order}, U {speed}: {observed:?} of {errors:?}");
-            // Of third order as long as the flow factor's share of the error is smaller.
+            // Of third order as long as the flow factor's fraction of the error is smaller.
             assert!(observed[..2].iter().all(|observed| *observed > 1.75), "order {order}: {observed:?} of {errors:?}");
         }
     }

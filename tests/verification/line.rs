@@ -1,15 +1,16 @@
 //! A film on a line between rigid or Winkler-like bodies, of the crate's film elements.
 
 use cartilage_contact::equations::film::{Film, MassRate};
+use cartilage_contact::fem::assembly::scatter;
 use cartilage_contact::fem::element::SIMPSON;
 use cartilage_contact::laws::fluid::Fluid;
 use cartilage_contact::solver::deadline::Deadline;
 use cartilage_contact::solver::linear::{Cluster, FIXED, Multifrontal};
 use cartilage_contact::solver::newton::{self, Problem};
 
-/// An incompressible film of this fluid between smooth surfaces that does not tear.
+/// An incompressible film of this fluid between smooth surfaces that does not cavitate.
 pub fn film(fluid: Fluid, pressure_order: i32) -> Film {
-    Film { fluid, shear_film_offset: 0.0, fluid_compressibility: 0.0, pressure_order, tears: false, rough: None }
+    Film { fluid, shear_film_offset: 0.0, fluid_compressibility: 0.0, pressure_order, cavitates: false, rough: None }
 }
 
 /// The film: h = gap + compliance * p at every node.
@@ -134,10 +135,7 @@ impl Problem for Line {
         residual.clear();
         residual.resize(unknowns.len(), 0.0);
         for (element, cell) in self.cells.iter().enumerate() {
-            let terms = self.terms(element);
-            for (a, number) in cell.iter().enumerate().filter(|(_, n)| **n != FIXED) {
-                residual[*number as usize] += terms.residual[a];
-            }
+            scatter(&self.terms(element).residual, cell, residual);
         }
         Ok(false)
     }

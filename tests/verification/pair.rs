@@ -3,6 +3,7 @@
 use cartilage_contact::equations::inflow;
 use cartilage_contact::equations::system::{At, Change, Point, System, Task};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
+use cartilage_contact::fem::assembly::scatter;
 use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, quadratic, quadratic_derivative};
 use cartilage_contact::parameters::{Control, Formulation, Inputs, Parameters};
 use cartilage_contact::solver::deadline::Deadline;
@@ -15,7 +16,7 @@ pub struct Pair {
 }
 
 /// What an element of the interface has at one of its quadrature points.
-pub struct Place {
+pub struct InterfacePoint {
     /// Quadrature weight \[m\].
     pub weight: f64,
     /// x, film thickness and its slope, pressure and its slope.
@@ -99,7 +100,7 @@ impl Pair {
             most_large: 40,
             deadline: Deadline::default(),
         };
-        let task = Task { inputs: &inputs, rates: None, control: Control::Depth, settings, kept: None };
+        let task = Task { inputs: &inputs, rates: None, control: Control::Depth, settings, reusable: None };
         let (result, _) = self.system.settle(self.point.clone(), &task);
         self.point = result.unwrap_or_else(|reason| panic!("{inputs}: {reason}"));
     }
@@ -151,8 +152,9 @@ impl Pair {
                 let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
                 inflow::ends(&layer.tissue, &layer.mesh, element, &at, [speed; 2], terms);
             }
-            for (a, n) in layer.mesh.element_nodes(element).into_iter().enumerate() {
-                (0..3).for_each(|f| reactions[f][n] += local[f * NODES + a]);
+            let nodes = layer.mesh.element_nodes(element).map(|node| node as u32);
+            for (local, reactions) in local.chunks_exact(NODES).zip(&mut reactions) {
+                scatter(local, &nodes, reactions);
             }
         }
         reactions
@@ -176,7 +178,7 @@ impl Pair {
     }
 
     /// The quadrature points of the interface (pressure of order 2).
-    pub fn places(&self) -> Vec<Place> {
+    pub fn places(&self) -> Vec<InterfacePoint> {
         let x = &self.system.stations;
         let levels = self.levels();
         let mut places = Vec::new();
@@ -187,7 +189,7 @@ impl Pair {
             let pressures = nodes.map(|i| self.pressure(0, i * levels));
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let sum = |f: [f64; 3], v: [f64; 3]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
-                places.push(Place {
+                places.push(InterfacePoint {
                     weight: half * w,
                     x: sum(quadratic(s), nodes.map(|i| x[i])),
                     film_thickness: sum(quadratic(s), gaps),

@@ -82,7 +82,7 @@ where
 /// A tight circle, so that the elements are truly curved.
 const RADIUS: f64 = 5e-3;
 
-/// Depth below the surface of the circle around (0, -R), as a share of the thickness.
+/// Depth below the surface of the circle around (0, -R), as a fraction of the thickness.
 fn depth(x: [f64; 2]) -> f64 {
     (RADIUS - x[0].hypot(x[1] + RADIUS)) / THICKNESS
 }

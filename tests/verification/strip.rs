@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, Local, Tissue, VolumeRate, surface_pressure};
+use cartilage_contact::fem::assembly::scatter;
 use cartilage_contact::fem::element::{NODES, POINTS};
 use cartilage_contact::fem::mesh::LayerMesh;
 use cartilage_contact::solver::deadline::Deadline;
@@ -213,16 +214,16 @@ impl Problem for Strip {
             let mut local = [0.0; LOCAL];
             let at = self.local(element, unknowns);
             self.terms(element, &at, ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None })?;
-            for (a, n) in self.mesh.element_nodes(element).into_iter().enumerate() {
-                (0..3).for_each(|f| self.reactions[f][n] += local[f * NODES + a]);
+            let nodes = self.mesh.element_nodes(element).map(|node| node as u32);
+            for (local, reactions) in local.chunks_exact(NODES).zip(&mut self.reactions) {
+                scatter(local, &nodes, reactions);
             }
         }
         residual.clear();
         residual.resize(unknowns.len(), 0.0);
         for f in 0..3 {
-            for (n, number) in self.numbers[f].iter().enumerate().filter(|(_, number)| **number != FIXED) {
-                residual[*number as usize] += self.reactions[f][n] - self.sources[f][n];
-            }
+            let balances: Vec<f64> = self.reactions[f].iter().zip(&self.sources[f]).map(|(r, s)| r - s).collect();
+            scatter(&balances, &self.numbers[f], residual);
         }
         let modulus = self.modulus();
         let mut changed = false;

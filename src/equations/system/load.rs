@@ -14,9 +14,9 @@ pub struct Loads {
     pub fluid: Dual64,
     /// Of solid contact.
     pub solid: Dual64,
-    /// Integral of real contact's share times the fluid's pressure (rough surfaces).
+    /// Integral of real contact's fraction times the fluid's pressure (rough surfaces).
     pub fluid_in_contact: Dual64,
-    /// Integral of real contact's share times all pressure.
+    /// Integral of real contact's fraction times all pressure.
     pub in_real_contact: Dual64,
 }
 

@@ -8,8 +8,8 @@ mod transfer;
 mod update;
 
 pub use load::Loads;
-pub use problem::{Place, Point, Slope, Task};
-pub use tangent::{At, Cause, Change, Direction};
+pub use problem::{LinearizationPoint, Point, Slope, Task};
+pub use tangent::{At, Change, Direction, Perturbation};
 
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +20,7 @@ use crate::equations::grid::{self, Grid};
 use crate::equations::layout::{Layout, Quantity};
 use crate::equations::surface::Surface;
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
+use crate::fem::assembly::scatter;
 use crate::fem::element::{NODES, POINTS, SIMPSON};
 use crate::fem::mesh::LayerMesh;
 use crate::laws::contact::mobilised_friction;
@@ -47,13 +48,13 @@ pub struct Layer {
 pub struct Rates {
     /// Factor of the present value \[1/s\].
     pub rate: f64,
-    /// The rest of the derivatives of the contents.
-    pub history: Contents,
+    /// The rest of the derivatives of what is stored.
+    pub history: StoredVolumes,
 }
 
 /// What time derivatives are taken of, at the quadrature points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Contents {
+pub struct StoredVolumes {
     /// Change of volume (J - 1) dA in every element of every body \[m^2\].
     pub volume: Vec<Vec<[f64; POINTS]>>,
     /// Fluid r h of the film times the length of its element \[m^2\].
@@ -62,7 +63,7 @@ pub struct Contents {
     pub stations: Vec<f64>,
 }
 
-impl Contents {
+impl StoredVolumes {
     /// a * self + b * other, value by value.
     pub fn combined(&self, a: f64, b: f64, other: &Self) -> Self {
         let mix = |x: f64, y: f64| a * x + b * y;
@@ -85,13 +86,13 @@ impl Contents {
 }
 
 impl Rates {
-    /// d/dt of these contents.
-    pub fn of(&self, contents: &Contents) -> Contents {
-        self.history.combined(1.0, self.rate, contents)
+    /// d/dt of these stored volumes.
+    pub fn of(&self, stored_volumes: &StoredVolumes) -> StoredVolumes {
+        self.history.combined(1.0, self.rate, stored_volumes)
     }
 
     /// d/dt = (present - before) / step.
-    pub fn backward_euler(step: f64, before: &Contents) -> Self {
+    pub fn backward_euler(step: f64, before: &StoredVolumes) -> Self {
         Self { rate: 1.0 / step, history: before.scaled(-1.0 / step) }
     }
 }
@@ -119,7 +120,7 @@ pub struct System {
     contact_stiffness: f64,
     stress_scale: f64,
     thickness: f64,
-    /// Height of the levels above the bone, as a share of the thickness, of each body.
+    /// Height of the levels above the bone, as a fraction of the thickness, of each body.
     height: Vec<Vec<f64>>,
     linear: Multifrontal,
     tangent: Tangent,
@@ -179,7 +180,7 @@ pub fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> f64 {
     boundary_friction_with_slopes(parameters, inputs).0
 }
 
-/// Likewise with its derivatives by the two surface speeds.
+/// Likewise with its derivatives with respect to the two surface speeds.
 fn boundary_friction_with_slopes(parameters: &Parameters, inputs: &Inputs) -> (f64, [f64; 2]) {
     let p = parameters;
     if !p.boundary_friction_loads_tissue {
@@ -292,7 +293,7 @@ impl System {
                 shear_film_offset: p.shear_film_offset,
                 fluid_compressibility: p.fluid_compressibility,
                 pressure_order: p.pressure_order,
-                tears: p.cavitation,
+                cavitates: p.cavitation,
                 rough: roughness(p).map(|rough| (rough, shear_modulus)),
             },
             film_ends: None,
@@ -497,16 +498,17 @@ impl System {
 
     /// Whether there is void at a station that may have some: the primal-dual active set of complementarity between void and
     /// pressure above that of cavitation. Void of a film that nothing moves would be undetermined, and there is none.
-    fn is_torn(&self, station: usize, unknowns: &[f64], moves: bool) -> bool {
+    fn is_cavitated(&self, station: usize, unknowns: &[f64], moves: bool) -> bool {
         let [pressure, void] = self.pressure_and_void(station, unknowns);
         moves && pressure - self.parameters.cavitation_pressure < self.contact_stiffness * void
     }
 
-    /// Stations where the film is torn.
-    pub fn torn(&self, at: &At<'_>) -> Vec<bool> {
+    /// Stations where the film is cavitated.
+    pub fn cavitated(&self, at: &At<'_>) -> Vec<bool> {
         let moves = moves(at.inputs, at.rates);
-        let torn = |i: usize| !at.active[i] && self.layout.void[i] != FIXED && self.is_torn(i, at.unknowns, moves);
-        (0..self.stations.len()).map(torn).collect()
+        let cavitated =
+            |i: usize| !at.active[i] && self.layout.void[i] != FIXED && self.is_cavitated(i, at.unknowns, moves);
+        (0..self.stations.len()).map(cavitated).collect()
     }
 
     /// What leaves through the ends of the film: station, and flux with its derivatives. Ends that move with the mesh pass by some.
@@ -566,22 +568,19 @@ impl System {
 
     /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap and to the mean.
     fn scatter(&self, body: usize, element: usize, local: &Local, values: &mut [f64]) {
-        let layout = &self.layout;
-        let layer = &self.layers[body];
-        let rows = layer.mesh.rows;
-        let cell = &layout.cells[layout.cell(body, element)];
-        let first = element.is_multiple_of(rows);
-        for (i, (value, number)) in local.iter().zip(cell).enumerate().filter(|(_, (_, n))| **n != FIXED) {
-            if !(first && (NODES..NODES + 3).contains(&i)) {
-                values[*number as usize] += value;
-                continue;
-            }
-            let [gap, mean] = self.surface(body).force(*value);
-            values[*number as usize] += gap;
-            if let Some(number) = layout.mean.get(2 * (element / rows) + i - NODES) {
-                values[*number as usize] += mean;
-            }
+        let mut of_cell = [0.0; LOCAL + 3];
+        of_cell[..LOCAL].copy_from_slice(local);
+        if element.is_multiple_of(self.layers[body].mesh.rows) {
+            self.surface(body).transform_rows(&mut of_cell);
         }
+        scatter(&of_cell, &self.layout.cells[self.layout.cell(body, element)], values);
+    }
+
+    /// Adds terms of a column of the film to the balances at its three stations.
+    fn scatter_film(&self, column: usize, terms: [f64; 3], values: &mut [f64]) {
+        let levels = self.layers[0].mesh.levels();
+        let numbers: [u32; 3] = std::array::from_fn(|a| self.layout.pressure[0][(2 * column + a) * levels]);
+        scatter(&terms.map(|term| term / self.copies()), &numbers, values);
     }
 
     /// Weight of gaps against contact pressures, and of void against fluid pressures \[Pa/m\].

@@ -3,12 +3,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{At, Cause, Direction, Rates, Residual, System};
+use super::{At, Direction, Perturbation, Rates, Residual, System};
 use crate::equations::load::LoadBalance;
 use crate::parameters::{Control, Inputs};
 use crate::solver::deadline::Deadline;
 use crate::solver::linear::Singular;
-use crate::solver::newton::{self, Foreseen};
+use crate::solver::newton::{self, PredictorEstimate};
 
 /// A solution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,7 +44,7 @@ impl Point {
 
 /// Where a tangent was formed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct LinearizationPoint {
     /// The state.
     pub point: Point,
     /// Its time derivatives; none of a steady one.
@@ -63,7 +63,7 @@ pub struct Slope {
 /// The tangent that was factorised last: where, and the changes with depth, speed and slide-to-roll ratio that were asked of it.
 #[derive(Debug, Default)]
 pub(super) struct Tangent {
-    place: Option<Place>,
+    linearization: Option<LinearizationPoint>,
     slopes: [Option<Slope>; 3],
 }
 
@@ -78,8 +78,8 @@ pub struct Task<'a> {
     pub control: Control,
     /// When to stop.
     pub settings: newton::Settings,
-    /// Where the tangent was formed that may serve once more, and what was foreseen with it.
-    pub kept: Option<(&'a Place, Foreseen)>,
+    /// Where the tangent was formed that may serve once more, and what the predictor estimated with it.
+    pub reusable: Option<(&'a LinearizationPoint, PredictorEstimate)>,
 }
 
 /// What is being solved for, and the discrete state.
@@ -89,7 +89,7 @@ pub(super) struct Posed {
     rates: Option<Rates>,
     load: Option<LoadBalance>,
     deadline: Deadline,
-    kept: Option<(Place, Foreseen)>,
+    reusable: Option<(LinearizationPoint, PredictorEstimate)>,
     active: Vec<bool>,
     residual: Residual,
 }
@@ -117,7 +117,7 @@ impl System {
             rates: task.rates.cloned(),
             load,
             deadline: task.settings.deadline,
-            kept: task.kept.map(|(place, foreseen)| (place.clone(), foreseen)),
+            reusable: task.reusable.map(|(linearization, estimate)| (linearization.clone(), estimate)),
             active,
             residual: Residual::default(),
         };
@@ -136,20 +136,20 @@ impl System {
         }
     }
 
-    /// Factorises the tangent at a place, unless it is that already.
+    /// Factorises the tangent at a linearization point, unless it is that already.
     ///
     /// # Errors
     /// [`Singular`] where elimination breaks down.
-    pub fn form(&mut self, place: &Place) -> Result<(), Singular> {
-        if self.tangent.place.as_ref() == Some(place) {
+    pub fn form(&mut self, linearization: &LinearizationPoint) -> Result<(), Singular> {
+        if self.tangent.linearization.as_ref() == Some(linearization) {
             return Ok(());
         }
         self.tangent = Tangent::default();
-        let Place { point, rates } = place;
+        let LinearizationPoint { point, rates } = linearization;
         self.on_mesh_of(point, |system| {
             system.factorise_at(&point.unknowns, &point.active, &point.inputs, rates.as_ref())
         })?;
-        self.tangent.place = Some(place.clone());
+        self.tangent.linearization = Some(linearization.clone());
         Ok(())
     }
 
@@ -163,8 +163,8 @@ impl System {
     }
 
     /// Where the last tangent was formed.
-    pub fn place(&self) -> Option<&Place> {
-        self.tangent.place.as_ref()
+    pub fn linearization(&self) -> Option<&LinearizationPoint> {
+        self.tangent.linearization.as_ref()
     }
 
     /// How the solution changes with one of depth, speed and slide-to-roll ratio, by the last tangent.
@@ -173,14 +173,13 @@ impl System {
     /// [`Singular`] where there is none, or the answer is not finite.
     pub fn slope(&mut self, input: usize) -> Result<&Slope, Singular> {
         if self.tangent.slopes[input].is_none() {
-            let place = self.tangent.place.take().ok_or(Singular)?;
-            let slope = self.on_mesh_of(&place.point, |system| {
-                let at = place.point.at(place.rates.as_ref());
-                let cause = Cause { direction: Direction::UNIT[input], ..Cause::default() };
-                let change = system.respond(at, vec![cause])?.pop().ok_or(Singular)?;
+            let linearization = self.tangent.linearization.clone().ok_or(Singular)?;
+            let slope = self.on_mesh_of(&linearization.point, |system| {
+                let at = linearization.point.at(linearization.rates.as_ref());
+                let perturbation = Perturbation { direction: Direction::UNIT[input], ..Perturbation::default() };
+                let change = system.sensitivities(at, vec![perturbation])?.pop().ok_or(Singular)?;
                 Ok(Slope { load: system.loads(at, &change).total().eps, unknowns: change.unknowns })
             });
-            self.tangent.place = Some(place);
             self.tangent.slopes[input] = Some(slope?);
         }
         self.tangent.slopes[input].as_ref().ok_or(Singular)
@@ -206,13 +205,13 @@ impl newton::Problem for System {
         changed.map_err(|inverted| inverted.to_string())
     }
 
-    fn kept(&mut self) -> Option<Foreseen> {
-        let (place, foreseen) = self.posed.kept.take()?;
+    fn reusable_tangent(&mut self) -> Option<PredictorEstimate> {
+        let (linearization, estimate) = self.posed.reusable.take()?;
         let rate = |rates: &Option<Rates>| rates.as_ref().map(|rates| rates.rate);
-        let fits = place.point.mirrored == self.mirrored()
-            && place.point.active == self.posed.active
-            && rate(&place.rates) == rate(&self.posed.rates);
-        (fits && self.form(&place).is_ok()).then_some(foreseen)
+        let fits = linearization.point.mirrored == self.mirrored()
+            && linearization.point.active == self.posed.active
+            && rate(&linearization.rates) == rate(&self.posed.rates);
+        (fits && self.form(&linearization).is_ok()).then_some(estimate)
     }
 
     fn factorise(&mut self, unknowns: &[f64]) -> Result<(), String> {
@@ -226,9 +225,9 @@ impl newton::Problem for System {
             active: posed.active.clone(),
             contact_forces: posed.contact_forces(),
         };
-        let place = Place { point, rates: posed.rates.clone() };
+        let linearization = LinearizationPoint { point, rates: posed.rates.clone() };
         self.set_deadline(self.posed.deadline);
-        let formed = self.form(&place);
+        let formed = self.form(&linearization);
         self.set_deadline(Deadline::default());
         formed.map_err(|singular| singular.to_string())
     }
@@ -237,7 +236,9 @@ impl newton::Problem for System {
         let (update, load) = right_hand_side.split_at_mut(self.unknowns());
         System::solve(self, update).map_err(|singular| singular.to_string())?;
         let ([load], Some(balance)) = (load, self.posed.load) else { return Ok(()) };
-        let Some(Place { point, rates }) = &self.tangent.place else { return Err("there is no tangent".into()) };
+        let Some(LinearizationPoint { point, rates }) = &self.tangent.linearization else {
+            return Err("there is no tangent".into());
+        };
         let along = self.load_along(point.at(rates.as_ref()), update);
         let by_depth = self.slope(0).map_err(|singular| singular.to_string())?;
         *load = balance.depth_update(*load, along, by_depth.load);

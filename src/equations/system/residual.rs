@@ -1,6 +1,6 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
-use super::{Contents, Rates, Residual, System, moves, surface_speeds};
+use super::{Rates, Residual, StoredVolumes, System, moves, surface_speeds};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
@@ -9,7 +9,7 @@ use crate::solver::linear::FIXED;
 
 impl System {
     /// Volumes and masses whose rates of change enter the balances.
-    pub fn contents(&self, unknowns: &[f64], inputs: &Inputs) -> Contents {
+    pub fn stored_volumes(&self, unknowns: &[f64], inputs: &Inputs) -> StoredVolumes {
         let volume = self.layers.iter().enumerate().map(|(body, layer)| {
             let element = |element| {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -24,17 +24,17 @@ impl System {
             let length = self.film_length(column);
             self.film.mass(&self.film_local(column, unknowns)).map(|mass| mass * length)
         });
-        Contents { volume: volume.collect(), film: film.collect(), stations: self.stations.clone() }
+        StoredVolumes { volume: volume.collect(), film: film.collect(), stations: self.stations.clone() }
     }
 
-    /// How [`System::contents`] change along a change of unknowns and of the penetration depth.
-    pub fn contents_change(
+    /// How [`System::stored_volumes`] change along a change of unknowns and of the penetration depth.
+    pub fn stored_volumes_change(
         &self,
         unknowns: &[f64],
         inputs: &Inputs,
         change: &[f64],
         penetration_depth: f64,
-    ) -> Contents {
+    ) -> StoredVolumes {
         let volume = self.layers.iter().enumerate().map(|(body, layer)| {
             let element = |element| {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -53,11 +53,11 @@ impl System {
             let [at, change] = [unknowns, change].map(|values| self.film_local(column, values));
             self.film.mass_change(&at, &change).map(|change| change * length)
         });
-        Contents { volume: volume.collect(), film: film.collect(), stations: vec![0.0; self.stations.len()] }
+        StoredVolumes { volume: volume.collect(), film: film.collect(), stations: vec![0.0; self.stations.len()] }
     }
 
     /// Adds what a change of the rates of volume and mass does to the residual.
-    pub fn add_storage(&self, unknowns: &[f64], inputs: &Inputs, change: &Contents, values: &mut [f64]) {
+    pub fn add_storage(&self, unknowns: &[f64], inputs: &Inputs, change: &StoredVolumes, values: &mut [f64]) {
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -65,15 +65,9 @@ impl System {
                 self.scatter(body, element, &local, values);
             }
         }
-        let levels = self.layers[0].mesh.levels();
         for column in 0..self.layers[0].mesh.columns {
             let stored = self.film.storage(&change.film[column]);
-            for (a, stored) in stored.into_iter().enumerate() {
-                let number = self.layout.pressure[0][(2 * column + a) * levels];
-                if number != FIXED {
-                    values[number as usize] += stored / self.copies();
-                }
-            }
+            self.scatter_film(column, stored, values);
         }
     }
 
@@ -118,12 +112,7 @@ impl System {
         for column in 0..self.layers[0].mesh.columns {
             let at = self.film_local(column, unknowns);
             let terms = self.film.element(self.film_length(column), &at, speeds, &self.mass_rate(rates, column));
-            for a in 0..3 {
-                let number = self.layout.pressure[0][(2 * column + a) * levels];
-                if number != FIXED {
-                    values[number as usize] += terms.residual[a] / self.copies();
-                }
-            }
+            self.scatter_film(column, terms.residual, values);
         }
         Ok(())
     }
@@ -157,12 +146,12 @@ impl System {
         for i in (0..active.len()).filter(|i| active[*i]) {
             let gap = self.layout.gap[i] as usize;
             self.add_friction(i, contact.friction * contact_forces[i], values);
-            values[gap] = self.layout.gap_uses[i] * contact.law.condition(unknowns[gap]).0;
+            values[gap] = self.layout.gap_multiplicity[i] * contact.law.condition(unknowns[gap]).0;
         }
         for i in (0..active.len()).filter(|i| self.layout.void[*i] != FIXED) {
             let [pressure, void] = self.pressure_and_void(i, unknowns);
-            values[self.layout.void[i] as usize] = self.layout.gap_uses[i]
-                * match self.is_torn(i, unknowns, moves(inputs, rates)) {
+            values[self.layout.void[i] as usize] = self.layout.gap_multiplicity[i]
+                * match self.is_cavitated(i, unknowns, moves(inputs, rates)) {
                     true => pressure - self.parameters.cavitation_pressure,
                     false => self.contact_stiffness * void,
                 };

@@ -1,6 +1,6 @@
-//! The tangent, and what follows from it: updates, and derivatives by the inputs.
+//! The tangent, and what follows from it: updates, and derivatives with respect to the inputs.
 
-use super::{Contents, Rates, System, moves, surface_speeds};
+use super::{LinearizationPoint, Point, Rates, StoredVolumes, System, moves, surface_speeds};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
@@ -56,16 +56,16 @@ pub struct At<'a> {
 
 /// What changes a solution.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Cause {
+pub struct Perturbation {
     /// Of the inputs.
     pub direction: Direction,
     /// Of the history terms of [`Rates`]; none where there is no change.
-    pub history: Option<Contents>,
+    pub history: Option<StoredVolumes>,
     /// Of the residual itself, beside that; empty for none.
     pub residual: Vec<f64>,
 }
 
-/// A small change of a solution with its causes.
+/// A small change of a solution with its perturbations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
     /// Of the unknowns.
@@ -73,7 +73,7 @@ pub struct Change {
     /// Of the inputs.
     pub inputs: Direction,
     /// Of the history terms of [`Rates`]; none where there is no change.
-    pub history: Option<Contents>,
+    pub history: Option<StoredVolumes>,
     /// Of the contact forces \[N/m\].
     pub contact_forces: Vec<f64>,
 }
@@ -129,12 +129,24 @@ impl System {
         result
     }
 
-    /// Solves with the last factorisation, in place, for any number of right-hand sides.
+    /// Solves with the last factorisation, in place, for any number of right-hand sides. Where that lost digits, the solution is refined
+    /// with the tangent itself, as long as the mesh is still the one that it was formed on.
     ///
     /// # Errors
-    /// [`Singular`] where the answer is not finite.
+    /// [`Singular`] where the answer is not finite, or wrong.
     pub fn solve(&self, right_hand_sides: &mut [f64]) -> Result<(), Singular> {
-        self.linear.solve(right_hand_sides)
+        let here = (self.contact_half_width, self.thickening);
+        match self
+            .linearization()
+            .filter(|linearization| (linearization.point.contact_half_width, linearization.point.thickening) == here)
+        {
+            Some(LinearizationPoint { point: Point { unknowns, active, inputs, .. }, rates }) => {
+                self.linear.solve_refined(right_hand_sides, &self.layout.cells, |cell, matrix| {
+                    self.cell_tangent(cell, unknowns, active, inputs, rates.as_ref(), matrix);
+                })
+            }
+            None => self.linear.solve(right_hand_sides),
+        }
     }
 
     /// Tangent over an element's nodal values, before contact and the film.
@@ -251,7 +263,7 @@ impl System {
                 for b in 0..3 {
                     matrix[(NODES + b) * m + 2 * NODES + a] += terms.tangent[a][b] / self.copies();
                     matrix[(2 * NODES + b) * m + 2 * NODES + a] += terms.tangent[a][3 + b] / self.copies();
-                    if self.film.tears {
+                    if self.film.cavitates {
                         matrix[(m - 3 + b) * m + 2 * NODES + a] += terms.tangent[a][6 + b] / self.copies();
                     }
                 }
@@ -266,7 +278,7 @@ impl System {
         }
         for a in (0..3).filter(|a| self.layout.void[2 * column + a] != FIXED) {
             let row = m - 3 + a;
-            match self.is_torn(2 * column + a, unknowns, moves(inputs, rates)) {
+            match self.is_cavitated(2 * column + a, unknowns, moves(inputs, rates)) {
                 true => matrix[(2 * NODES + a) * m + row] = 1.0,
                 false => matrix[row * m + row] = self.contact_stiffness,
             }
@@ -274,22 +286,22 @@ impl System {
     }
 
     /// How a solution changes with its inputs and its history, from the last factorisation, which has to be that at the solution;
-    /// one answer for each cause.
+    /// one answer for each perturbation.
     ///
     /// # Errors
     /// [`Singular`] where the answer is not finite.
-    pub fn respond(&self, at: At<'_>, causes: Vec<Cause>) -> Result<Vec<Change>, Singular> {
+    pub fn sensitivities(&self, at: At<'_>, perturbations: Vec<Perturbation>) -> Result<Vec<Change>, Singular> {
         let n = self.unknowns();
-        let mut columns = vec![0.0; causes.len() * n];
-        for (cause, values) in causes.iter().zip(columns.chunks_exact_mut(n)) {
-            let mut direction = cause.direction;
+        let mut columns = vec![0.0; perturbations.len() * n];
+        for (perturbation, values) in perturbations.iter().zip(columns.chunks_exact_mut(n)) {
+            let mut direction = perturbation.direction;
             if self.mirrored() {
                 // Exchanging the bodies reverses the slide-to-roll ratio: what is mirror-symmetric does not change with it.
                 direction.slide_to_roll_ratio = 0.0;
             }
             self.add_by_inputs(at, &direction, values);
-            values.iter_mut().zip(&cause.residual).for_each(|(value, change)| *value += change);
-            if let Some(history) = &cause.history {
+            values.iter_mut().zip(&perturbation.residual).for_each(|(value, change)| *value += change);
+            if let Some(history) = &perturbation.history {
                 self.add_storage(at.unknowns, at.inputs, history, values);
             }
             let contact = self.contact(at.inputs);
@@ -304,11 +316,11 @@ impl System {
             values.iter_mut().for_each(|v| *v = -*v);
         }
         self.solve(&mut columns)?;
-        let changes = causes.into_iter().zip(columns.chunks_exact(n)).map(|(cause, unknowns)| Change {
-            contact_forces: self.contact_force_change(at, unknowns, cause.direction.penetration_depth),
+        let changes = perturbations.into_iter().zip(columns.chunks_exact(n)).map(|(perturbation, unknowns)| Change {
+            contact_forces: self.contact_force_change(at, unknowns, perturbation.direction.penetration_depth),
             unknowns: unknowns.to_vec(),
-            inputs: cause.direction,
-            history: cause.history,
+            inputs: perturbation.direction,
+            history: perturbation.history,
         });
         Ok(changes.collect())
     }
@@ -394,12 +406,8 @@ impl System {
             let local = self.film_local(column, unknowns);
             let rate = self.mass_rate(rates, column);
             let terms = self.film.element(self.film_length(column), &local, surface_speeds(inputs), &rate);
-            for a in 0..3 {
-                let number = self.layout.pressure[0][(2 * column + a) * levels];
-                if number != FIXED {
-                    values[number as usize] += along(terms.by_speeds.map(|by| by[a]), speeds) / self.copies();
-                }
-            }
+            let change = std::array::from_fn(|a| along(terms.by_speeds.map(|by| by[a]), speeds));
+            self.scatter_film(column, change, values);
         }
     }
 
@@ -436,7 +444,7 @@ impl System {
     }
 }
 
-/// Derivatives by the two surface speeds, along a change of these.
+/// Derivatives with respect to the two surface speeds, along a change of these.
 fn along(by_speeds: [f64; 2], change: [f64; 2]) -> f64 {
     by_speeds[0] * change[0] + by_speeds[1] * change[1]
 }

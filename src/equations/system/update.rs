@@ -5,11 +5,11 @@ use crate::equations::grid::Grid;
 use crate::equations::layout::Quantity;
 use crate::solver::linear::FIXED;
 
-/// A film thinner than this share of the layers' thickness (0.1 micron for 1 mm) may close within one update.
+/// A film thinner than this fraction of the layers' thickness (0.1 micron for 1 mm) may close within one update.
 const THIN_FILM: f64 = 1e-4;
 
-/// Share of the largest fluid pressure up to which rough surfaces may come to press within one update.
-const UNFORESEEN: f64 = 0.02;
+/// Ratio to the largest fluid pressure up to which rough surfaces may come to press within one update.
+const NEW_CONTACT: f64 = 0.02;
 
 impl System {
     /// Compresses the tissue evenly through its thickness by an approach of the bones \[m\], with the gap as it is.
@@ -52,9 +52,9 @@ impl System {
         for (station, number) in self.layout.gap.iter().enumerate() {
             let (gap, before) = (&mut unknowns[*number as usize], before[*number as usize]);
             let (low, high) = if before > 0.0 { (0.5 * before, 2.0 * before) } else { (2.0 * before, 0.5 * before) };
-            let kept = gap.clamp(low, high);
-            let correction = kept - *gap;
-            *gap = kept;
+            let limited = gap.clamp(low, high);
+            let correction = limited - *gap;
+            *gap = limited;
             self.follow(station, correction, unknowns);
         }
     }
@@ -74,7 +74,7 @@ impl System {
         for (station, before) in gaps.into_iter().enumerate() {
             let gap = &mut unknowns[self.layout.gap[station] as usize];
             let smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { closing * before };
-            let smallest = smallest.max(contact.least_gap(before, *gap, UNFORESEEN * largest));
+            let smallest = smallest.max(contact.least_gap(before, *gap, NEW_CONTACT * largest));
             let limited = gap.min((opening * before).max(5.0 * thin)).max(smallest);
             let correction = limited - *gap;
             *gap = limited;

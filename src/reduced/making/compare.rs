@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::outputs::Outputs;
 use crate::parameters::Inputs;
 
-/// Within this share of the range of depths friction is near first touch.
+/// Within this fraction of the range of depths friction is near first touch.
 const NEAR_TOUCH: f64 = 1.0 / 40.0;
 
 impl Builder<'_> {

@@ -9,7 +9,7 @@ use super::{Builder, REST};
 use crate::error::Error;
 use crate::parameters::Inputs;
 
-/// The table goes this share of the range of depths beyond first touch on both sides, so that no patch has no width.
+/// The table goes this fraction of the range of depths beyond first touch on both sides, so that no patch has no width.
 const TOUCH_MARGIN: f64 = 0.1;
 
 const FIRST_STATIONS: [(Side, [f64; 5]); 2] =

@@ -112,7 +112,7 @@ impl ReducedModel {
             return Err(Error::value(
                 "cavitation",
                 true,
-                "false: a reduced model has no torn film; fidelity = full has",
+                "false: a reduced model has no cavitated film; fidelity = full has",
             ));
         }
         if crate::equations::grid::moves(parameters) {

@@ -13,12 +13,12 @@ use crate::parameters::Inputs;
 const VERIFIED_STATES: usize = 100;
 /// And states between rest and the slowest line that it is also compared with.
 const VERIFIED_STATES_NEAR_REST: usize = 50;
-/// The slowest line goes down to this share of the fastest at most.
+/// The slowest line goes down to this fraction of the fastest at most.
 const SLOWEST: f64 = 1.0 / 16384.0;
 /// A table of more states than this is no longer small.
 const MOST_STATES: usize = 6000;
 
-/// Cells are not made narrower than these shares of a side and of the range of ln U: what is left then is the way in which a coarse
+/// Cells are not made narrower than these fractions of a side and of the range of ln U: what is left then is the way in which a coarse
 /// mesh closes the film element by element.
 const NARROWEST: [f64; 2] = [1.0 / 80.0, 1.0 / 20.0];
 

@@ -5,7 +5,7 @@ use super::{Builder, Sample};
 use crate::error::Error;
 use crate::parameters::Inputs;
 
-/// First touch is found to this share of the range of depths.
+/// First touch is found to this fraction of the range of depths.
 const TOUCH_PRECISION: f64 = 1e-4;
 
 /// Where the film first closes at one speed: the last state without contact, the first one with.
@@ -33,7 +33,7 @@ impl Builder<'_> {
             .map(|&log_speed| {
                 let near = known.as_ref().and_then(|chart| chart.touch(log_speed.exp()));
                 let next = near.map_or(guess, |[depth, _]| depth - precision);
-                Search { log_speed, apart: None, touching: None, next: Some(next), stride: 8.0 * precision }
+                Search { log_speed, apart: None, touching: None, next: Some(next), increment: 8.0 * precision }
             })
             .collect();
         loop {
@@ -64,7 +64,7 @@ struct Search {
     touching: Option<Sample>,
     /// The next depth to try; `None` when it is done.
     next: Option<f64>,
-    stride: f64,
+    increment: f64,
 }
 
 impl Search {
@@ -83,13 +83,13 @@ impl Search {
                 Some(inside.unwrap_or(0.5 * (a + b)))
             }
             (Some(apart), None) => {
-                self.stride *= 2.0;
+                self.increment *= 2.0;
                 let beyond = apart.closing().unwrap_or(depth(apart)).max(depth(apart)) + 0.4 * precision;
                 Some(beyond.max(depth(apart) + precision).min(limits[1])).filter(|_| depth(apart) < limits[1])
             }
             (None, Some(touching)) => {
-                self.stride *= 2.0;
-                Some((depth(touching) - self.stride).max(limits[0])).filter(|_| depth(touching) > limits[0])
+                self.increment *= 2.0;
+                Some((depth(touching) - self.increment).max(limits[0])).filter(|_| depth(touching) > limits[0])
             }
             (None, None) => None,
         };

@@ -49,7 +49,7 @@ struct Dissection {
 }
 
 impl Dissection {
-    /// Eliminating `k` unknowns coupled to `b` others: a share for every floating-point operation, one for every entry that is
+    /// Eliminating `k` unknowns coupled to `b` others: a part for every floating-point operation, one for every entry that is
     /// moved, and one for the front itself.
     fn cost(k: usize, b: usize) -> f64 {
         let (k, b) = (3.0 * k as f64, 3.0 * b as f64);

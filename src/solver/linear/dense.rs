@@ -14,7 +14,7 @@ use super::substitution::subtract;
 
 /// Up to this many unknowns are eliminated by loops of our own: below it the general kernels spend more time on finding out what
 /// to do than on doing it.
-const SMALL: usize = 16;
+pub const SMALL: usize = 16;
 /// Columns and vectors of rows that are updated together: as many as leave some of sixteen registers for what they are made of.
 const COLUMNS: usize = 4;
 const VECTORS: usize = 3;

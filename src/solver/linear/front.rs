@@ -85,11 +85,11 @@ pub struct Symbolic {
 
 impl Symbolic {
     pub fn new(cells: &[Vec<u32>], tree: &Cluster, unknowns: usize) -> Self {
-        let mut uses = vec![0_u32; unknowns];
+        let mut multiplicity = vec![0_u32; unknowns];
         for dof in cells.iter().flatten().filter(|d| **d != FIXED) {
-            uses[*dof as usize] += 1;
+            multiplicity[*dof as usize] += 1;
         }
-        let mut walk = Walk { cells, uses, fronts: Vec::new(), order: Vec::new() };
+        let mut walk = Walk { cells, multiplicity, fronts: Vec::new(), order: Vec::new() };
         walk.visit(tree, 0);
         let Walk { mut fronts, order, .. } = walk;
         let mut position = vec![0_u32; unknowns];
@@ -168,7 +168,7 @@ fn runs(positions: impl Iterator<Item = u32>, split: u32) -> Vec<Run> {
 struct Walk<'a> {
     cells: &'a [Vec<u32>],
     /// In how many cells each unknown appears.
-    uses: Vec<u32>,
+    multiplicity: Vec<u32>,
     fronts: Vec<Front>,
     order: Vec<u32>,
 }
@@ -205,7 +205,7 @@ impl Walk<'_> {
         });
         let start = self.order.len();
         counts.retain(|(dof, count)| {
-            let complete = *count == self.uses[*dof as usize];
+            let complete = *count == self.multiplicity[*dof as usize];
             if complete {
                 self.order.push(*dof);
             }

@@ -5,12 +5,12 @@ use pulp::{Simd, WithSimd};
 use super::{Multifrontal, Singular};
 
 impl Multifrontal {
-    /// Solves for right-hand sides stored one after the other, in place. They are solved for together, because reading the
+    /// Solves for right-hand sides stored one after the other, in place, unchecked. They are solved for together, because reading the
     /// factors is most of the work.
     ///
     /// # Errors
     /// [`Singular`] where the answer is not finite; the right-hand sides are then garbage.
-    pub fn solve(&self, right_hand_sides: &mut [f64]) -> Result<(), Singular> {
+    pub(super) fn substitute(&self, right_hand_sides: &mut [f64]) -> Result<(), Singular> {
         let n = self.unknowns();
         if n == 0 {
             return Ok(());
