@@ -349,13 +349,21 @@ impl Default for Inputs {
     }
 }
 
+impl Inputs {
+    /// In words, with the depth or the load, whichever is given.
+    pub fn described(&self, control: Control) -> String {
+        let motion =
+            format!("sliding_speed = {} m/s, slide_to_roll_ratio = {}", self.sliding_speed, self.slide_to_roll_ratio);
+        match control {
+            Control::Depth => format!("penetration_depth = {:e} m, {motion}", self.penetration_depth),
+            Control::Load => format!("applied_load = {} N/m, {motion}", self.applied_load),
+        }
+    }
+}
+
 impl std::fmt::Display for Inputs {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "penetration_depth = {:e} m, sliding_speed = {} m/s, slide_to_roll_ratio = {}",
-            self.penetration_depth, self.sliding_speed, self.slide_to_roll_ratio
-        )
+        f.write_str(&self.described(Control::Depth))
     }
 }
 

@@ -53,10 +53,7 @@ pub(super) fn solve(
         _ => from_rest(bodies, inputs, iterations),
     };
     result.map_err(|stuck| Error::NotConverged {
-        requested: match control {
-            Control::Depth => inputs.to_string(),
-            Control::Load => format!("applied_load = {} N/m, {inputs}", inputs.applied_load),
-        },
+        requested: inputs.described(control),
         reached: stuck.state.point.inputs.to_string(),
         fraction: stuck.fraction,
         reason: stuck.reason,

@@ -275,9 +275,10 @@ pub(super) fn advance(
             // Friction pulls the bodies apart sideways: the step starts anew with both of them.
             Err(Stop::Dragged) => apart = true,
             Err(Stop::Stuck { time, reason }) => {
+                let described = |time| drive.at(time).described(bodies.parameters.control);
                 return Err(Error::NotConverged {
-                    requested: format!("the end of a step of {duration} s ({})", drive.at(duration)),
-                    reached: format!("{time:e} s ({})", drive.at(time)),
+                    requested: format!("the end of a step of {duration} s ({})", described(duration)),
+                    reached: format!("{time:e} s ({})", described(time)),
                     fraction: time / duration,
                     reason,
                 });
