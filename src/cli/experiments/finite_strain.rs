@@ -10,7 +10,8 @@ use crate::cli::figures::panel::Scale;
 use crate::cli::format;
 
 /// Time over t^2/(k H_A) and load \[N/m\] by examples/dry_contact_ngsolve.py.
-const PEER: [[f64; 2]; 7] = [[0.01, 0.0], [0.02, 0.0], [0.05, 0.0], [0.1, 0.0], [0.2, 0.0], [0.5, 0.0], [1.0, 0.0]];
+const PEER: [[f64; 2]; 7] =
+    [[0.01, 9739.3], [0.02, 4521.1], [0.05, 2448.1], [0.1, 1657.5], [0.2, 1213.7], [0.5, 1079.3], [1.0, 1077.7]];
 
 /// A curved layer pressed onto flat rigid glass by a fifth of its thickness, within a hundredth of t^2/(k H_A), and held; the film is so thin a
 /// fluid that the surface is drained. Time, as above, and load.
@@ -77,7 +78,7 @@ pub(super) fn dry_contact() -> Result<Row, Error> {
         ),
         ours: listed(texts),
         verdict: format!(
-            "{}: {} % apart at most.",
+            "{}: {} % apart at most; 32 x 7 elements and ten steps in place of sixteen change the peer's by 0.9 % at most.",
             if largest < 0.01 { "agreement" } else { "miss" },
             format::number(100.0 * largest, 2)
         ),

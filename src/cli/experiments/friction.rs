@@ -102,7 +102,7 @@ pub(super) fn on_glass() -> Result<Row, Error> {
             format::number(friction(&last) / friction(&kept), 2)
         ),
         verdict: format!(
-            "agreement of the share and of friction at the end; miss of friction at the start and of the time. Their own law asks for \
+            "agreement of the share and of friction at the end; miss of friction at the start, of the time, and of the factor of 60. Their own law asks for \
              {} at their share of 0.888, three times what they measured at the start; ours follows the law. A strip's slowest mode takes 2.3 times \
              as long as a disc's of the same width, and bonded tissue without stiffness in tension drains more slowly than a disc that spreads. A \
              migrating contact does keep its friction, stationary ones do not; but isotropic tissue gives no more than the share of an undrained \

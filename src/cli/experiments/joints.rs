@@ -35,11 +35,15 @@ struct State {
     sliding: f64,
 }
 
-/// Rolling at this load and speed, from a fluid of 0.01 Pa s to thicker ones, until one before the last.
+/// Rolling at this load and speed, from a fluid of 0.01 Pa s to thicker ones, until the film is ten times as thick as a full one.
 fn sweep(parameters: &Parameters, load: f64, sliding_speed: f64) -> Result<Vec<State>, Error> {
-    const VISCOSITIES: [f64; 7] = [0.01, 0.03, 0.06, 0.1, 0.2, 0.5, 1.0];
+    const VISCOSITIES: [f64; 10] = [0.01, 0.03, 0.06, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0];
+    const LOADING: [f64; 3] = [0.03, 0.15, 0.4];
     let inputs = Inputs { applied_load: load, sliding_speed, ..Inputs::NONE };
     let mut simulation = Simulation::new(&Parameters { viscosity: VISCOSITIES[0], ..*parameters })?;
+    for part in LOADING {
+        simulation.solve_steady(Inputs { applied_load: part * load, ..inputs })?;
+    }
     let mut states = Vec::new();
     for viscosity in VISCOSITIES {
         simulation = simulation.with_parameters(&Parameters { viscosity, ..*parameters })?;
@@ -100,7 +104,7 @@ pub(super) fn ankle() -> Result<Row, Error> {
         title: "Film in the ankle under body weight",
         case: format!(
             "`--joint ankle`: layers of `human_normal` 1.2 mm thick, reduced radius 0.35 m, 40 kN/m, entrainment of 0.1 m/s, steady and \
-             rolling; the viscosity of the film from 0.01 to 1 Pa s, that in the pores stays. Friction of sliding is the film's \
+             rolling; the viscosity of the film from 0.01 Pa s on, that in the pores stays. Friction of sliding is the film's \
              where one surface rests, at the same entrainment. Mean pressure {} MPa.",
             format::number(states.first().map_or(f64::NAN, |s| 1e-6 * s.outputs.load / s.outputs.contact_length), 2)
         ),
@@ -108,11 +112,12 @@ pub(super) fn ankle() -> Result<Row, Error> {
                     and up to 0.01; friction of specimens at most 0.01, measured (abstract; it does not say the viscosities)"
             .into(),
         ours: format!(
-            "1 um at {} Pa s, where friction is {} rolling and {} sliding; {} um at 1 Pa s, sliding {}",
+            "1 um at {} Pa s, where friction is {} rolling and {} sliding; {} um at {} Pa s, sliding {}",
             with_bar(viscosity),
             with_bar(rolling),
             with_bar(sliding),
             format::number(thick.0, 2),
+            states.last().map_or(f64::NAN, |s| s.viscosity),
             format::number(thick.1, 2)
         ),
         verdict: format!(
@@ -151,7 +156,7 @@ pub(super) fn hip() -> Result<Row, Error> {
         title: "From mixed to full film in the hip",
         case: format!(
             "`--joint hip`: layers of `human_normal` 1.7 mm thick on a head of 24 mm and a socket of 25.5 mm, 50 kN/m, entrainment of 0.05 m/s, \
-             steady and rolling; viscosity of the film from 0.01 to 1 Pa s, that in the pores stays. The film counts as full from \
+             steady and rolling; viscosity of the film from 0.01 Pa s on, that in the pores stays. The film counts as full from \
              h/sigma = 3 on. Largest pressure {} MPa.",
             format::number(1e-6 * thinnest.maximum_fluid_pressure, 3)
         ),

@@ -80,7 +80,7 @@ pub fn run(folder: &Path, only: Option<&str>) -> Result<String, Failure> {
             }
         };
         experiments::save(&folder.join(stem), &picture)?;
-        let short = verdict.split(':').next().unwrap_or_default();
+        let short = verdict.split([':', '.']).next().unwrap_or_default();
         table += &format!("| {title} | {published} | {ours} | {short} |\n");
         sections += &format!(
             "\n## {title}\n\n![{}]({stem}.png)\n\n**Case.** {case}\n\n**Published.** {published}\n\n**Ours.** {ours}\n\n**Verdict.** {verdict}\n",
