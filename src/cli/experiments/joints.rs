@@ -121,10 +121,10 @@ pub(super) fn ankle() -> Result<Row, Error> {
             format::number(thick.1, 2)
         ),
         verdict: format!(
-            "{}. The film of 1 um is there with synovial fluid of {} Pa s, within what is measured at the shear rates of walking or above it; \
+            "{}. The film of 1 um is there with synovial fluid of {} Pa s, and theirs is not in the abstract; \
              thinner fluid leaves it to rough contact and to the pressure of the tissue's fluid (share {} at 0.01 Pa s). Theirs is a compliant layer that \
              is not porous",
-            if sliding.0 <= 0.011 { "friction: agreement within the bound of the measurement" } else { "miss of friction" },
+            if sliding.0 <= 0.01 { "agreement with the measured bound of friction, miss of the computed 0.001 where a surface slides" } else { "miss of friction" },
             format::number(viscosity.0, 2),
             format::number(states.first().map_or(f64::NAN, |s| s.outputs.fluid_load_support), 3),
         ) + ".",
@@ -165,7 +165,7 @@ pub(super) fn hip() -> Result<Row, Error> {
             .into(),
         ours: format!("{} Pa s", with_bar((value, error))),
         verdict: format!(
-            "{}: the film of the line contact is as thick as that from {} times their viscosity on. A simulator's load swings, so \
+            "{}: the film of the line contact is as thick as that from {} times their viscosity on. A likely reason, not tested: a simulator's load swings, so \
              that the film is squeezed out at its peak and drawn in beneath a small load before; ours is steady, under the load of walking's peak, \
              with a socket whose width is assumed. Where the film is not full, the fluid in the tissue still carries {} of the load",
             if (0.5..=2.0).contains(&(value / 0.05)) { "agreement" } else { "miss" },
