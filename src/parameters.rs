@@ -498,6 +498,21 @@ impl Parameters {
                     format!("{name}.middle_zone_start, {}, or more", body.middle_zone_start),
                 ));
             }
+            // A property that jumps would not be seen by elements that lie across the jump.
+            for (zone, factors, limit, value, allowed) in [
+                ("surface", &body.surface, "start", body.middle_zone_start, "above 0"),
+                ("deep", &body.deep, "end", 1.0 - body.middle_zone_end, "below 1"),
+            ] {
+                if value == 0.0 && *factors != Factors::NONE {
+                    return Err(Error::value(
+                        &format!("{name}.middle_zone_{limit}"),
+                        if limit == "end" { 1.0 } else { 0.0 },
+                        format!(
+                            "{allowed} where a {name}.{zone}_*_ratio is not 1: properties that jump are not modelled, they change over a zone"
+                        ),
+                    ));
+                }
+            }
             for (zone, factors) in [("surface", &body.surface), ("deep", &body.deep)] {
                 let most = 0.9 / body.solid_volume_fraction;
                 if factors.solid_volume_fraction > most {
@@ -532,6 +547,23 @@ impl Parameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn properties_do_not_jump() {
+        let stiffer = Factors { shear_modulus: 2.0, ..Factors::NONE };
+        for (zones, name) in [([0.0, 0.5], "surface"), ([0.5, 1.0], "deep")] {
+            let mut parameters = Parameters::default();
+            [parameters.lower.middle_zone_start, parameters.lower.middle_zone_end] = zones;
+            assert!(parameters.validate().is_ok());
+            // At the end that has a zone, and at the one that has none.
+            let (surface, deep) = if name == "surface" { (Factors::NONE, stiffer) } else { (stiffer, Factors::NONE) };
+            (parameters.lower.surface, parameters.lower.deep) = (surface, deep);
+            assert!(parameters.validate().is_ok());
+            (parameters.lower.surface, parameters.lower.deep) = (deep, surface);
+            let refusal = parameters.validate().unwrap_err().to_string();
+            assert!(refusal.starts_with("lower.middle_zone_") && refusal.contains(name), "{refusal}");
+        }
+    }
 
     #[test]
     fn the_paper_s_formulation_has_the_paper_s_solid() {

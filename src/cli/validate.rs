@@ -43,6 +43,10 @@ pub struct Arguments {
     /// Folder for the pictures of the experiments
     #[arg(long, value_name = "FOLDER", default_value = "target/experiments")]
     output: PathBuf,
+
+    /// Only this row of the experiments, such as hip
+    #[arg(long, value_name = "NAME")]
+    row: Option<String>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -77,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&match arguments.study {
         Study::Published => published(parameters, inputs)?,
         Study::Convergence => convergence(parameters, inputs, &depths, arguments.meshes)?,
-        Study::Experiments => experiments::run(&arguments.output)?,
+        Study::Experiments => experiments::run(&arguments.output, arguments.row.as_deref())?,
         Study::Variants => variants(parameters, inputs, &depths)?,
     })
 }
