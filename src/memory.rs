@@ -28,12 +28,24 @@ const WORKING: f64 = 64e6;
 /// [`Error::Memory`] with the number.
 pub fn reserve(parameters: &Parameters, made: bool) -> Result<(), Error> {
     let all = needed(parameters);
-    let bytes = if made { WORKING + 0.25 * (all - WORKING) } else { all };
+    take(if made { WORKING + 0.25 * (all - WORKING) } else { all }, "a solution")
+}
+
+/// The same for calls that keep copies, and for making an instance: what they take is small, but a failed allocation of any size ends
+/// the host.
+///
+/// # Errors
+/// [`Error::Memory`] with the number.
+pub fn reserve_little() -> Result<(), Error> {
+    take(WORKING, "an instance or a copy of its state")
+}
+
+fn take(bytes: f64, what: &str) -> Result<(), Error> {
     let mut room: Vec<u8> = Vec::new();
     room.try_reserve_exact(bytes as usize).map_err(|_| {
         let megabytes = 1e-6 * bytes;
         Error::Memory(format!(
-            "{megabytes:.0} MB of memory are needed for a solution and cannot be had; free some, or take fewer elements"
+            "{megabytes:.0} MB of memory are needed for {what} and cannot be had; free some, or take fewer elements"
         ))
     })
 }

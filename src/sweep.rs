@@ -2,6 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
+use std::thread::{Builder, Scope, ScopedJoinHandle};
 
 use crate::error::Error;
 use crate::memory;
@@ -14,12 +15,25 @@ const SMALLEST_SHARE: usize = 4;
 /// Hears of a point, by its index; says whether to go on.
 pub type Done<'a> = &'a (dyn Fn(usize, Result<&mut Simulation, Error>) -> ControlFlow<()> + Sync);
 
+/// Begins a thread of a scope.
+///
+/// # Errors
+/// [`Error::Memory`] where the system refuses another one.
+pub fn spawn<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    work: impl FnOnce() -> T + Send + 'scope,
+) -> Result<ScopedJoinHandle<'scope, T>, Error> {
+    Builder::new().spawn_scoped(scope, work).map_err(|error| {
+        Error::Memory(format!("the system refuses another thread: {error}; take fewer --threads, or allow more memory"))
+    })
+}
+
 /// Solves all points. Every thread takes consecutive points, each starting from the one before; a thread that has no more takes
 /// over half of what is left to another. `done` hears of every point as it is solved, or why it was not; where it breaks, no further
 /// point is begun.
 ///
 /// # Errors
-/// [`Error::Value`] where a parameter is out of range.
+/// [`Error::Value`] where a parameter is out of range, [`Error::Memory`] where the system refuses a thread.
 pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: Done<'_>) -> Result<(), Error> {
     if parameters.control == Control::Load {
         return Err(Error::value("control", "load", "\"depth\": a sweep goes from depth to depth"));
@@ -32,13 +46,13 @@ pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: D
     memory::check(parameters, threads)?;
     let simulations: Result<Vec<_>, _> = (0..threads).map(|_| Simulation::new(parameters)).collect();
     std::thread::scope(|scope| {
-        for (worker, mut simulation) in simulations?.into_iter().enumerate() {
+        for (own, mut simulation) in simulations?.into_iter().enumerate() {
             let shares = &shares;
-            scope.spawn(move || {
+            let worker = move || {
                 let rest = simulation.snapshot();
                 loop {
                     // A `while let` would hold the lock while the point is solved, and the threads would take turns.
-                    let index = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), worker);
+                    let index = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), own);
                     let Some(index) = index else { break };
                     let point = points[index];
                     // Surfaces close more readily than they part.
@@ -49,7 +63,11 @@ pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: D
                         shares.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
                     }
                 }
-            });
+            };
+            if let Err(error) = spawn(scope, worker) {
+                shares.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
+                return Err(error);
+            }
         }
         Ok(())
     })

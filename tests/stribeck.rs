@@ -4,6 +4,7 @@
 
 use std::path::Path;
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use cartilage_contact::variables;
 
@@ -175,7 +176,7 @@ fn one_run_writes_to_a_folder_at_a_time() {
     let output = folder.path().display();
     let mut first = spawn(&format!("stribeck --depths 0:100e-6:1e-6 --output {output}"));
     while !folder.path().join("case.toml").exists() {
-        std::thread::sleep(std::time::Duration::from_millis(10));
+        std::thread::sleep(Duration::from_millis(10));
     }
     for other in [
         format!("stribeck {COARSE} --depths 0 --fresh --output {output}"),
@@ -201,7 +202,7 @@ fn kill_sweeps(times: u64) {
     for round in 0..times {
         let mut child = spawn(&sweep(disturbed.path()));
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        std::thread::sleep(std::time::Duration::from_millis((random >> 33) % 300));
+        std::thread::sleep(Duration::from_millis((random >> 33) % 300));
         child.kill().unwrap();
         child.wait().unwrap();
         if round % 5 == 4 {
@@ -284,7 +285,7 @@ fn a_folder_that_cannot_be_written_is_said_before_anything_is_computed() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     std::fs::write(&file, "").unwrap();
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     for command in ["stribeck", "sensitivity", "gait", "reduce"] {
         let message = refused(&format!("{command} --output {}/below", file.display()), 1);
         assert!(message.contains("could not write"), "{command}: {message}");
@@ -425,26 +426,35 @@ fn files(folder: &Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
     found
 }
 
-/// Kills a command at random moments: every file is whole, that of before or the new one, and the next run is not hindered.
-fn kill(command: &str, longest: u64, times: u64) {
+/// Begins something that takes so long undisturbed and kills it: at any moment, and every other time towards the end, where files are
+/// written. Says whether it was still there.
+fn kill_once(arguments: &str, duration: Duration, round: u32) -> bool {
+    let random = f64::from(round.wrapping_mul(2_654_435_769)) / 2_f64.powi(32);
+    let least = if round.is_multiple_of(2) { 0.0 } else { 0.8 };
+    let mut child = spawn(arguments);
+    std::thread::sleep(duration.mul_f64(least + (1.1 - least) * random));
+    let there = child.try_wait().unwrap().is_none();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    there
+}
+
+/// Kills a command many times: every file is whole, that of before or the new one, and the next run is not hindered.
+fn kill(command: &str, times: u32) {
     let folder = tempfile::tempdir().unwrap();
     let run_with =
         |viscosity: &str| format!("{command} --set viscosity={viscosity} --output {}", target(command, folder.path()));
     done(&run_with("1e-3"));
     let old = files(folder.path());
+    let start = Instant::now();
     done(&run_with("2e-3"));
-    let new = files(folder.path());
+    let (new, duration) = (files(folder.path()), start.elapsed());
     assert_eq!(old.len(), new.len());
     assert!(!old.is_empty());
-    let mut random = 20_240_229_u64;
     let mut disturbed = 0;
     for round in 0..times {
-        let mut child = spawn(&run_with(if round % 2 == 0 { "1e-3" } else { "2e-3" }));
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        std::thread::sleep(std::time::Duration::from_millis((random >> 33) % longest));
-        disturbed += u64::from(child.try_wait().unwrap().is_none());
-        child.kill().unwrap();
-        child.wait().unwrap();
+        let viscosity = if round % 4 < 2 { "1e-3" } else { "2e-3" };
+        disturbed += u32::from(kill_once(&run_with(viscosity), duration, round));
         let now = files(folder.path());
         assert_eq!(now.len(), old.len(), "{command}, round {round}");
         for ((path, now), ((_, old), (_, new))) in now.iter().zip(old.iter().zip(&new)) {
@@ -464,11 +474,12 @@ fn target(command: &str, folder: &Path) -> String {
 
 const SMALL: &str = "--set=mesh.columns=12 --set=mesh.rows=1";
 
-/// The other commands that write: their last argument is the longest time until they are killed \[ms\].
-fn kill_others(times: u64) {
-    kill(&format!("gait --peak-load 25 {SMALL} --steps 16 --cycles 1"), 1500, times);
-    kill(&format!("sensitivity {SMALL}"), 1500, times);
-    kill(&format!("reduce {SMALL} --depths=-9e-6:-8e-6 --speeds 0.1:0.2 --threads 1"), 1500, times);
+/// The other commands that write.
+fn kill_others(times: u32) {
+    kill(&format!("gait --peak-load 25 {SMALL} --steps 16 --cycles 1"), times);
+    kill(&format!("sensitivity {SMALL}"), times);
+    kill(&format!("reduce {SMALL} --depths=-9e-6:-8e-6 --speeds 0.1:0.2 --threads 1"), times);
+    kill_package(4 * times);
 }
 
 #[test]
@@ -483,20 +494,19 @@ fn commands_that_are_killed_many_times_leave_whole_files() {
 }
 
 /// A command without parameters of its own, that writes two files.
-#[test]
-fn a_killed_package_leaves_whole_fmus() {
+fn kill_package(times: u32) {
     let folder = tempfile::tempdir().unwrap();
     let package = format!("package --output {}", folder.path().join("x.fmu").display());
+    let start = Instant::now();
     done(&package);
-    let whole = files(folder.path());
+    let (whole, duration) = (files(folder.path()), start.elapsed());
     assert_eq!(whole.len(), 2);
-    for round in 0..12 {
-        let mut child = spawn(&package);
-        std::thread::sleep(std::time::Duration::from_millis(60 * round));
-        child.kill().unwrap();
-        child.wait().unwrap();
+    let mut disturbed = 0;
+    for round in 0..times {
+        disturbed += u32::from(kill_once(&package, duration, round));
         assert!(files(folder.path()) == whole, "round {round}");
     }
+    println!("package: {disturbed} of {times} runs were killed");
 }
 
 /// On a disk of its own, where this user may have one; elsewhere the limit on the size of files stands in for it, see above.

@@ -1,7 +1,6 @@
 //! What the program does without arguments: builds the FMU, presses two layers together with it and lets go.
 
 use std::path::Path;
-use std::time::Duration;
 
 use cartilage_contact::error::Error;
 use cartilage_contact::fields::InterfaceFields;
@@ -100,7 +99,8 @@ fn record(fmu: &Path) -> Result<Recording, String> {
     if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} steps, {eta} left") {
         bar.set_style(style);
     }
-    bar.enable_steady_tick(Duration::from_millis(250));
+    // Drawn again with every state: a clock of its own would be a thread, and the program ends where the system refuses one.
+    bar.tick();
 
     for (index, &depth) in depths.iter().enumerate() {
         bar.set_message(format!(

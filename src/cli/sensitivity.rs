@@ -117,33 +117,35 @@ fn responses(case: &Case, depths: &[f64], change: f64, threads: usize) -> Result
     let solved = Mutex::new(vec![vec![[f64::NAN; 3]; depths.len()]; cases.len()]);
     let next = Mutex::new(0..cases.len());
     let trouble: Mutex<Option<Error>> = Mutex::new(None);
-    std::thread::scope(|scope| {
-        for _ in 0..threads.max(1) {
-            scope.spawn(|| {
-                loop {
-                    // Not in a `while let`, which would hold the lock while the case is solved.
-                    let index = next.lock().unwrap_or_else(PoisonError::into_inner).next();
-                    let Some(index) = index else { break };
-                    let (_, label, change, case) = &cases[index];
-                    let points: Vec<_> =
-                        depths.iter().map(|d| Inputs { penetration_depth: *d, ..case.inputs }).collect();
-                    let result = sweep::solve(&case.parameters, &points, 1, &|point, result| {
-                        match result {
-                            Ok(simulation) => {
-                                let mut solved = solved.lock().unwrap_or_else(PoisonError::into_inner);
-                                solved[index][point] = results(simulation.outputs());
-                            }
-                            Err(error) => bar.suspend(|| eprintln!("failed: {label} {}: {error}", percent(*change))),
-                        }
-                        bar.inc(1);
-                        ControlFlow::Continue(())
-                    });
-                    if let Err(error) = result {
-                        *trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+    let work = || {
+        loop {
+            // Not in a `while let`, which would hold the lock while the case is solved.
+            let index = next.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some(index) = index else { break };
+            let (_, label, change, case) = &cases[index];
+            let points: Vec<_> = depths.iter().map(|d| Inputs { penetration_depth: *d, ..case.inputs }).collect();
+            let result = sweep::solve(&case.parameters, &points, 1, &|point, result| {
+                match result {
+                    Ok(simulation) => {
+                        let mut solved = solved.lock().unwrap_or_else(PoisonError::into_inner);
+                        solved[index][point] = results(simulation.outputs());
                     }
+                    Err(error) => bar.suspend(|| eprintln!("failed: {label} {}: {error}", percent(*change))),
                 }
+                bar.inc(1);
+                ControlFlow::Continue(())
             });
+            if let Err(error) = result {
+                *trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+            }
         }
+    };
+    std::thread::scope(|scope| {
+        // Where the system refuses a thread, the others do its work.
+        for _ in 1..threads {
+            drop(sweep::spawn(scope, work));
+        }
+        work();
     });
     bar.finish_and_clear();
     if let Some(error) = trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {

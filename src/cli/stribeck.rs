@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
 
 use cartilage_contact::error::Error;
 use cartilage_contact::fields::Fields;
@@ -187,7 +186,8 @@ pub fn progress(count: usize) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template("{msg:14} {bar:40} {pos}/{len} states, {per_sec}, {eta} left") {
         bar.set_style(style);
     }
-    bar.enable_steady_tick(Duration::from_millis(250));
+    // Drawn again with every state: a clock of its own would be a thread, and the program ends where the system refuses one.
+    bar.tick();
     bar
 }
 

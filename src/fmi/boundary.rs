@@ -7,10 +7,11 @@
 use std::ffi::{CStr, CString, c_char, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::fmi::instance::{Answer, Instance, refuse};
+use crate::fmi::instance::{Answer, Instance, Refusal, refuse};
 use crate::fmi::log::{Category, Line, Log, Status};
 use crate::fmi::standard::Standard;
 use crate::fmi::state::SavedState;
+use crate::memory;
 
 /// The importer's message function in FMI 2. It is variadic as `printf` is, and `message` is its format.
 pub type Logger = unsafe extern "C" fn(
@@ -81,7 +82,7 @@ pub fn create(
     messenger: Messenger,
     resources: Option<String>,
 ) -> *mut c_void {
-    match catch_unwind(AssertUnwindSafe(may)) {
+    match catch_unwind(AssertUnwindSafe(|| memory::reserve_little().map_err(Refusal::from).and_then(|()| may()))) {
         Ok(Ok(())) => {
             let instance = Instance::new(standard, log).with_resources(resources);
             Box::into_raw(Box::new(Component { instance, messenger, poisoned: false })).cast()

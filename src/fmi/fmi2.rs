@@ -261,7 +261,7 @@ pub unsafe extern "C" fn fmi2SetString(
 /// Copies the state; into the memory of `*state` where that is not null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(component: *mut c_void, state: *mut *mut c_void) -> c_uint {
-    unsafe { guard(component, "fmi2GetFMUstate", |it| hand_out(it.save(), state)) }
+    unsafe { guard(component, "fmi2GetFMUstate", |it| hand_out(it.save()?, state)) }
 }
 
 /// Returns to a copied state.

@@ -275,7 +275,7 @@ pub unsafe extern "C" fn fmi3SetBoolean(
 /// Copies the state; into the memory of `*state` where that is not null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, state: *mut *mut c_void) -> c_uint {
-    unsafe { guard(instance, "fmi3GetFMUState", |it| hand_out(it.save(), state)) }
+    unsafe { guard(instance, "fmi3GetFMUState", |it| hand_out(it.save()?, state)) }
 }
 
 /// Returns to a copied state.

@@ -8,6 +8,7 @@ use crate::fmi::model::Model;
 use crate::fmi::phase::{Call, Phase};
 use crate::fmi::standard::{Element, Standard};
 use crate::fmi::state::{SavedState, Settings};
+use crate::memory;
 use crate::parameters::{Inputs, Value};
 use crate::simulation::Drive;
 use crate::variables::{Source, Type, VARIABLES, Variable};
@@ -361,8 +362,9 @@ impl Instance {
     }
 
     /// Copies the state.
-    pub fn save(&self) -> SavedState {
-        SavedState::new(&self.settings, self.model.as_ref())
+    pub fn save(&self) -> Answer<SavedState> {
+        memory::reserve_little()?;
+        Ok(SavedState::new(&self.settings, self.model.as_ref()))
     }
 
     /// Returns to a copied state. On an error nothing changes.

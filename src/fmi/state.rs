@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::fmi::description;
 use crate::fmi::model::{Model, ModelState};
 use crate::fmi::phase::Phase;
+use crate::memory;
 use crate::parameters::{Inputs, Parameters};
 
 /// Everything about an instance that is not the solver's.
@@ -64,8 +65,9 @@ impl SavedState {
     /// The bytes that [`SavedState::from_bytes`] reads.
     ///
     /// # Errors
-    /// [`Error::State`] where memory runs out.
+    /// [`Error::Memory`] where it runs out.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
+        memory::reserve_little()?;
         let payload = postcard::to_stdvec(self).map_err(|error| Error::State(error.to_string()))?;
         Ok([MAGIC, check_sum(&payload).as_bytes(), &payload].concat())
     }
@@ -85,6 +87,7 @@ impl SavedState {
         if sum != check_sum(payload).as_bytes() {
             return refuse("the bytes were cut or altered, or another version of this FMU wrote them");
         }
+        memory::reserve_little()?;
         let state: Self = postcard::from_bytes(payload).map_err(|error| Error::State(error.to_string()))?;
         state.settings.parameters.validate()?;
         Ok(state)
@@ -114,7 +117,7 @@ mod tests {
         instance.setup_experiment(None, 0.0, None).unwrap();
         instance.enter_initialization_mode().unwrap();
         instance.exit_initialization_mode().unwrap();
-        let saved = instance.save();
+        let saved = instance.save().unwrap();
         let good = saved.to_bytes().unwrap();
         let start = MAGIC.len() + CHECK_SUM_LENGTH;
         let mut random = 1_u64;

@@ -1,12 +1,13 @@
 //! A random walk over admissible parameters and inputs: every solution ends within its time, as solved, or given up with where it got
 //! to and the last solution kept.
 
+use std::ops::Range;
 use std::sync::LazyLock;
 use std::time::Instant;
 
 use cartilage_contact::fmi::fmi3::*;
 use cartilage_contact::fmi::standard::Standard;
-use cartilage_contact::parameters::Kind;
+use cartilage_contact::parameters::{Kind, PRESETS};
 use cartilage_contact::variables::{Source, VARIABLES, Variable};
 
 use crate::importer::*;
@@ -31,7 +32,9 @@ struct Counts {
     given_up: usize,
     /// Seeds of the cases that had no time left.
     over: Vec<u64>,
+    /// Seconds of work of the longest call, and of the longest that found what it looked for.
     longest: f64,
+    longest_solved: f64,
 }
 
 /// A value within the range, over orders of magnitude where it has them.
@@ -61,7 +64,6 @@ fn set_parameter(random: &mut Random, fmu: &Fmu, variable: &Variable, kind: &Kin
 fn walk(seed: u64, limit: f64, counts: &mut Counts) {
     let mut random = Random(seed);
     let fmu = Fmu::fresh(Standard::Fmi3);
-    counts.cases += 1;
     for variable in VARIABLES.iter() {
         let Source::Parameter(row) = variable.source else { continue };
         // The real-time model has its own limits, and what a large mesh takes is known.
@@ -73,7 +75,6 @@ fn walk(seed: u64, limit: f64, counts: &mut Counts) {
     }
     fmu.set_integer("mesh.columns", 16 + random.below(25) as i32);
     fmu.set_integer("mesh.rows", 2 + random.below(3) as i32);
-    fmu.set_real("maximum_solve_time", limit);
     let set_inputs = |random: &mut Random| {
         let depth = [1e-5, 1e-4, 1e-3][random.below(3)] * (2.0 * random.share() - 1.0);
         fmu.set_real("penetration_depth", depth);
@@ -81,6 +82,66 @@ fn walk(seed: u64, limit: f64, counts: &mut Counts) {
         fmu.set_real("slide_to_roll_ratio", if random.below(2) == 0 { 0.0 } else { number(random, -10.0, 10.0) });
         fmu.set_real("applied_load", number(random, 1e-3, 1e5));
     };
+    drive(seed, random, &fmu, limit, -4.0..2.0, set_inputs, counts);
+}
+
+/// A joint: a preset with rough surfaces on the mesh that the program chooses, a third of its parameters changed within what
+/// tissues differ by, under loads from hardly any to body weight.
+fn walk_of_a_joint(seed: u64, limit: f64, counts: &mut Counts) {
+    let mut random = Random(seed);
+    let fmu = Fmu::fresh(Standard::Fmi3);
+    fmu.set_choice("preset", 2 + random.below(PRESETS.len() - 1) as i32);
+    fmu.set_choice("control", 2);
+    fmu.set_choice("time_integration", 1 + random.below(2) as i32);
+    let both = ["shear_modulus", "bulk_modulus", "permeability", "thickness", "outer_radius"];
+    for (name, least, most) in [
+        ("shear_modulus", 1.5e5, 1.5e6),
+        ("bulk_modulus", 1e5, 1e6),
+        ("permeability", 1e-19, 1e-16),
+        ("thickness", 1e-3, 4e-3),
+        ("outer_radius", 0.01, 0.1),
+        ("surface_roughness", 0.05e-6, 3e-6),
+        ("viscosity", 5e-4, 1.0),
+        ("boundary_friction_coefficient", 0.01, 0.5),
+        ("solid_fraction", 1e-3, 1.0),
+    ] {
+        if random.below(3) > 0 {
+            continue;
+        }
+        let value = number(&mut random, least, most);
+        // Of both bodies, or of one alone.
+        let bodies = [["upper.", "lower."].as_slice(), &["upper."]][random.below(2)];
+        let prefixes = if both.contains(&name) { bodies } else { &[""] };
+        for prefix in prefixes {
+            assert_eq!(
+                fmu.set_real(&format!("{prefix}{name}"), value),
+                OK,
+                "{name} = {value}: {:?}",
+                fmu.take_messages()
+            );
+        }
+    }
+    let set_inputs = |random: &mut Random| {
+        let sign = [1.0, 1.0, 0.0, -1.0][random.below(4)];
+        fmu.set_real("sliding_speed", sign * number(random, 1e-3, 1.0));
+        fmu.set_real("slide_to_roll_ratio", [0.0, 0.5, 2.0, -2.0][random.below(4)]);
+        fmu.set_real("applied_load", number(random, 10.0, 1e5));
+    };
+    drive(seed, random, &fmu, limit, -3.0..0.0, set_inputs, counts);
+}
+
+/// Solves a case, and three more by steps of these orders of magnitude.
+fn drive(
+    seed: u64,
+    mut random: Random,
+    fmu: &Fmu,
+    limit: f64,
+    sizes: Range<f64>,
+    set_inputs: impl Fn(&mut Random),
+    counts: &mut Counts,
+) {
+    counts.cases += 1;
+    fmu.set_real("maximum_solve_time", limit);
     set_inputs(&mut random);
     let timed = |counts: &mut Counts, call: &dyn Fn() -> std::ffi::c_uint| {
         let start = worked();
@@ -88,6 +149,9 @@ fn walk(seed: u64, limit: f64, counts: &mut Counts) {
         let taken = worked() - start;
         assert!(taken < limit + BESIDE, "seed {seed}: {taken} s, {:?}", fmu.take_messages());
         counts.longest = counts.longest.max(taken);
+        if status == OK {
+            counts.longest_solved = counts.longest_solved.max(taken);
+        }
         status
     };
     fmu.take_messages();
@@ -117,7 +181,7 @@ fn walk(seed: u64, limit: f64, counts: &mut Counts) {
         }
         let before = fmu.get_real("load");
         set_inputs(&mut random);
-        let size = 10_f64.powf(-4.0 + 6.0 * random.share());
+        let size = 10_f64.powf(sizes.start + (sizes.end - sizes.start) * random.share());
         status = timed(counts, &|| fmu.step(time, size));
         if status == OK {
             time += size;
@@ -140,6 +204,20 @@ fn every_solution_ends_in_its_time() {
 fn every_solution_of_a_long_walk_ends_in_its_time() {
     let (mut counts, start) = (Counts::default(), Instant::now());
     (1000..).take_while(|_| start.elapsed().as_secs() < 600).for_each(|seed| walk(seed, 2.0, &mut counts));
+    println!("{counts:?}");
+}
+
+#[test]
+#[ignore = "ten minutes or more, or WALK_CASES"]
+fn every_joint_is_solved_or_given_up_within_a_minute() {
+    let cases = std::env::var("WALK_CASES").map_or(100, |text| text.parse().unwrap());
+    let first = std::env::var("WALK_FIRST").map_or(0, |text| text.parse().unwrap());
+    let mut counts = Counts::default();
+    for seed in first..first + cases {
+        let (start, solved) = (worked(), counts.solved);
+        walk_of_a_joint(seed, 60.0, &mut counts);
+        println!("seed {seed}: {} states solved, {:.1} s", counts.solved - solved, worked() - start);
+    }
     println!("{counts:?}");
 }
 

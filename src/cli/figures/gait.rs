@@ -128,7 +128,7 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
             vec![
                 carried(transient, "film, in time", palette::BLUE, false, |o| 1e3 * o.film_dissipation),
                 carried(transient, "pores", palette::GREEN, true, |o| 1e3 * o.pore_flow_dissipation),
-                carried(transient, "friction of solid on solid", palette::ORANGE, false, |o| {
+                carried(transient, "boundary friction", palette::ORANGE, false, |o| {
                     1e3 * o.boundary_friction_dissipation
                 }),
             ],

@@ -9,6 +9,7 @@ use cartilage_contact::files::{self, OutputFolder, unwritten};
 use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Control, Inputs, Parameters, TimeIntegration};
 use cartilage_contact::simulation::{Drive, Simulation};
+use cartilage_contact::sweep;
 use cartilage_contact::variables::{self, Source};
 use indicatif::ProgressBar;
 
@@ -107,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = OutputFolder::open(&arguments.output)?;
     let bar = progress(steps * (1 + arguments.cycles as usize));
     let (transient, (steady, failures)) = std::thread::scope(|scope| {
-        let steady = scope.spawn(|| quasi_steady(&parameters, &case.inputs, &cycle, &bar));
+        let steady = sweep::spawn(scope, || quasi_steady(&parameters, &case.inputs, &cycle, &bar))?;
         let transient = transient(&parameters, &case.inputs, &cycle, arguments, &bar);
         let steady = steady.join().map_err(|_| Failure::Failed("the quasi-steady cycle stopped".into()))?;
         Ok::<_, Failure>((transient?, steady?))

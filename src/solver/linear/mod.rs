@@ -13,6 +13,8 @@ mod watch;
 
 pub use cluster::Cluster;
 
+use std::sync::{Mutex, PoisonError};
+
 use super::deadline::Deadline;
 use dense::{Dense, Scratch};
 use front::{Front, Symbolic};
@@ -161,24 +163,25 @@ impl Multifrontal {
             (own_pivots, pivots) = pivots.split_at_mut(eliminated);
             jobs.push(move || part.factorise(fronts, &[], &scale, own_factors, own_pivots, simd, fill));
         }
-        let share = jobs.len().div_ceil(self.threads.clamp(1, jobs.len().max(1))).max(1);
-        let mut results = Vec::with_capacity(jobs.len());
-        if share >= jobs.len() {
-            results.extend(jobs.into_iter().map(|mut job| job()));
+        let threads = self.threads.min(jobs.len());
+        let jobs = Mutex::new(jobs.into_iter());
+        let work = || -> Result<(), Singular> {
+            loop {
+                let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some(mut job) = job else { break Ok(()) };
+                job()?;
+            }
+        };
+        if threads < 2 {
+            work()?;
         } else {
-            let mut jobs = jobs.into_iter();
             std::thread::scope(|scope| {
-                let mine: Vec<_> = jobs.by_ref().take(share).collect();
-                let mut others = Vec::new();
-                while jobs.len() > 0 {
-                    let theirs: Vec<_> = jobs.by_ref().take(share).collect();
-                    others.push(scope.spawn(move || theirs.into_iter().try_for_each(|mut job| job())));
-                }
-                results.extend(mine.into_iter().map(|mut job| job()));
-                results.extend(others.into_iter().map(|other| other.join().unwrap_or(Err(Singular))));
-            });
+                // Where the system refuses a thread, the others do its work.
+                let spawn = |_| std::thread::Builder::new().spawn_scoped(scope, work).ok();
+                let others: Vec<_> = (1..threads).filter_map(spawn).collect();
+                others.into_iter().fold(work(), |result, other| result.and(other.join().unwrap_or(Err(Singular))))
+            })?;
         }
-        results.into_iter().collect::<Result<(), _>>()?;
         root.factorise(fronts, branches, &scale, factors, pivots, simd, fill)?;
         for part in &self.parts {
             self.watch.add(&part.sums);
