@@ -430,7 +430,7 @@ fn files(folder: &Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
 /// written. Says whether it was still there.
 fn kill_once(arguments: &str, duration: Duration, round: u32) -> bool {
     let random = f64::from(round.wrapping_mul(2_654_435_769)) / 2_f64.powi(32);
-    let least = if round % 2 == 0 { 0.0 } else { 0.8 };
+    let least = if round.is_multiple_of(2) { 0.0 } else { 0.8 };
     let mut child = spawn(arguments);
     std::thread::sleep(duration.mul_f64(least + (1.1 - least) * random));
     let there = child.try_wait().unwrap().is_none();
