@@ -85,11 +85,14 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
             lines,
         }
     };
-    let both = |get: fn(&State) -> f64| {
+    let both = |get: &dyn Fn(&State) -> f64| {
         let dashed = line(steady, "quasi-steady", palette::VERMILION, true, get);
-        vec![dashed, line(transient, "in time", palette::BLUE, false, get)]
+        let lines = vec![dashed, line(transient, "in time", palette::BLUE, false, get)];
+        lines.into_iter().filter(|line| !line.points.is_empty()).collect()
     };
-    let result = |title: &str, label: &str, scale: Scale, get: fn(&State) -> f64| panel(title, label, scale, both(get));
+    let result =
+        |title: &str, label: &str, scale: Scale, get: &dyn Fn(&State) -> f64| panel(title, label, scale, both(get));
+    let largest = transient.iter().map(|state| state.outputs.friction_coefficient).fold(0.0, f64::max);
     fn carried(states: &[State], label: &str, colour: RGBColor, dashed: bool, get: fn(&Outputs) -> f64) -> Line {
         line(states, label, colour, dashed, move |state| get(&state.outputs))
     }
@@ -111,16 +114,16 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
             Linear,
             vec![line(transient, "", palette::BLACK, false, |state| state.inputs.sliding_speed)],
         ),
-        result("Thinnest film", "h [\u{b5}m]", Linear, |state| 1e6 * state.outputs.minimum_film_thickness),
-        result("Penetration depth", "d [\u{b5}m]", Linear, |state| 1e6 * state.outputs.penetration_depth),
-        result("Friction coefficient", "\u{3bc} [\u{2212}]", Logarithmic, |state| {
+        result("Thinnest film", "h [\u{b5}m]", Linear, &|state| 1e6 * state.outputs.minimum_film_thickness),
+        result("Penetration depth", "d [\u{b5}m]", Linear, &|state| 1e6 * state.outputs.penetration_depth),
+        result("Friction coefficient", "\u{3bc} [\u{2212}]", Logarithmic, &|state| {
             // Where sliding turns there is none, and a logarithm would show little else.
-            Some(state.outputs.friction_coefficient).filter(|friction| *friction > 3e-4).unwrap_or(f64::NAN)
+            Some(state.outputs.friction_coefficient).filter(|friction| *friction > 1e-2 * largest).unwrap_or(f64::NAN)
         }),
-        result("Fluid load support", "[\u{2212}]", Linear, |state| state.outputs.fluid_load_support),
-        result("Contact length", "b [mm]", Linear, |state| 1e3 * state.outputs.contact_length),
-        result("Fluid given off by the tissue", "[mm\u{b2}]", Linear, |state| 1e6 * state.exchange),
-        result("Power put in by the turning bones", "[mW]", Linear, |state| 1e3 * state.outputs.rotation_power),
+        result("Fluid load support", "[\u{2212}]", Linear, &|state| state.outputs.fluid_load_support),
+        result("Contact length", "b [mm]", Linear, &|state| 1e3 * state.outputs.contact_length),
+        result("Fluid given off by the tissue", "[mm\u{b2}]", Linear, &|state| 1e6 * state.exchange),
+        result("Power put in by the turning bones", "[mW]", Linear, &|state| 1e3 * state.outputs.rotation_power),
         panel(
             "Where the work goes",
             "[mW]",

@@ -64,6 +64,10 @@ pub struct Arguments {
     #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     cycles: u32,
 
+    /// Only in time: leave out the steady state of every instant, which a surface at rest does not have before its tissue is drained
+    #[arg(long)]
+    transient_only: bool,
+
     /// A cycle repeats the one before where depth, fluid load and solid load differ by less than this share of their largest values
     #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
     periodicity: f64,
@@ -108,9 +112,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = OutputFolder::open(&arguments.output)?;
     let bar = progress(steps * (1 + arguments.cycles as usize));
     let (transient, (steady, failures)) = std::thread::scope(|scope| {
-        let steady = sweep::spawn(scope, || quasi_steady(&parameters, &case.inputs, &cycle, &bar))?;
+        let steady = match arguments.transient_only {
+            true => None,
+            false => Some(sweep::spawn(scope, || quasi_steady(&parameters, &case.inputs, &cycle, &bar))?),
+        };
         let transient = transient(&parameters, &case.inputs, &cycle, arguments, &bar);
-        let steady = steady.join().map_err(|_| Failure::Failed("the quasi-steady cycle stopped".into()))?;
+        let steady = steady.map_or(Ok(Ok(<_>::default())), |steady| steady.join());
+        let steady = steady.map_err(|_| Failure::Failed("the quasi-steady cycle stopped".into()))?;
         Ok::<_, Failure>((transient?, steady?))
     })?;
     bar.finish_and_clear();
@@ -280,7 +288,10 @@ fn table(transient: &[State], steady: &[State]) -> String {
     ];
     let mut text = String::from("| over the cycle | in time | quasi-steady |\n|---|---|---|\n");
     for (name, value) in rows {
-        let cells = [transient, steady].map(|states| format::number(value(states), 4));
+        let cells = [transient, steady].map(|states| match states {
+            [] => "-".into(),
+            states => format::number(value(states), 4),
+        });
         text += &format!("| {name} | {} | {} |\n", cells[0], cells[1]);
     }
     text
