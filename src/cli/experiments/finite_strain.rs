@@ -9,7 +9,7 @@ use crate::cli::figures::experiments::{Curve, Origin, Picture};
 use crate::cli::figures::panel::Scale;
 use crate::cli::format;
 
-/// Time over t^2/(k H_A) and load \[N/m\] by examples/dry_contact_ngsolve.py.
+/// Time over t^2/(k H_A) and load \[N/m\] by benches/dry_contact_ngsolve.py.
 const PEER: [[f64; 2]; 7] =
     [[0.01, 9739.3], [0.02, 4521.1], [0.05, 2448.1], [0.1, 1657.5], [0.2, 1213.7], [0.5, 1079.3], [1.0, 1077.7]];
 
@@ -73,7 +73,7 @@ pub(super) fn dry_contact() -> Result<Row, Error> {
                0.01, 0.02, 0.05, 0.1, 0.2, 0.5 and 1 of that time, on 72 x 12 elements, in brackets the difference to 48 x 8."
             .into(),
         published: format!(
-            "[examples/dry_contact_ngsolve.py](../examples/dry_contact_ngsolve.py), written for NGSolve (quadrilaterals, automatic linearisation, BDF2): {}",
+            "[benches/dry_contact_ngsolve.py](../benches/dry_contact_ngsolve.py), written for NGSolve (quadrilaterals, automatic linearisation, BDF2): {}",
             listed(PEER.iter().map(|row| format::number(row[1], 4)).collect())
         ),
         ours: listed(texts),

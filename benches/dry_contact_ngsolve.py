@@ -2,7 +2,7 @@
 """Dry contact of biphasic tissue at finite strain, written for NGSolve: what `validate experiments` is held against.
 
     pip install ngsolve
-    python3 examples/dry_contact_ngsolve.py
+    python3 benches/dry_contact_ngsolve.py
     cargo run --release -- validate experiments --row finite-strain
 
 A curved layer, bonded to a curved rigid bone, is pressed onto flat rigid glass by a fifth of its thickness within a hundredth of
