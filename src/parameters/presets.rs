@@ -247,8 +247,8 @@ impl Tissue {
         self.aggregate_modulus * (1.0 + self.poisson_ratio) / (3.0 * (1.0 - self.poisson_ratio))
     }
 
-    /// Modulus xi of fibres in all directions (power law of [`FIBRE_EXPONENT`]) that resist the spreading of a plug in fast unconfined
-    /// compression, strains e, e, -2e, as the tensile modulus does at e = [`FIBRE_STRAIN`]: with x = 2 e (1 - 3 c^2)
+    /// Modulus xi of fibres in all directions (power law of `FIBRE_EXPONENT`) that resist the spreading of a plug in fast unconfined
+    /// compression, strains e, e, -2e, as the tensile modulus does at e = `FIBRE_STRAIN`: with x = 2 e (1 - 3 c^2)
     /// E+ e = xi int_0^u (1 - c^2) x^2 dc, u^2 = 1/3 \[Pa\].
     pub fn fibre_modulus(&self) -> f64 {
         let u = (1.0_f64 / 3.0).sqrt();
