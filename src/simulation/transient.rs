@@ -84,9 +84,14 @@ impl Motion {
         let fits = |values: &Vec<f64>| values.is_empty() || values.len() == unknowns + 1;
         let trend = |trend: &Trend| fits(&trend.rates) && fits(&trend.changes);
         let rates = self.reusable.as_ref().and_then(|linearization| linearization.rates.as_ref());
-        let stored_volumes = |stored_volumes: &StoredVolumes| stored_volumes.film.len() == columns;
+        let stored_volumes =
+            |stored: &StoredVolumes| stored.film.len() == columns && stored.stations.len() == 2 * columns + 1;
+        let film = |trend: &Trend| trend.film.is_empty() || trend.film.len() == columns;
+        let meshed = |contact: f64| contact.is_finite() && contact >= 0.0;
         trend(&self.trend)
             && trend(&self.last.trend)
+            && film(&self.trend)
+            && meshed(self.last.contact_half_width)
             && stored_volumes(&self.rate)
             && rates.is_none_or(|rates| stored_volumes(&rates.history))
     }
