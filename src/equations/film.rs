@@ -11,7 +11,7 @@
 //!
 //! Where h = 0 nothing is left of it, and the fluid crosses from body to body: the paper's periodic condition.
 //!
-//! A film that may cavitate (cavitation) holds r (h - c), where c of the gap is void, and of what the walls carry the fraction c/h is
+//! A film that may cavitate holds r (h - c), where c of the gap is void, and of what the walls carry the fraction c/h is
 //! void, with c/h from upstream. Where the tissue takes up more than the film holds, void enters its pores: c is then larger than h,
 //! and the rest moves with the walls. Pressure and w are then straight lines from node to node and the film is stored at the nodes: with
 //! curved ones a node beside the void could neither be full nor cavitated.

@@ -48,7 +48,8 @@ pub struct Tissue {
     pub layers: Option<[Factors; 2]>,
 }
 
-/// Of Newton's method and of one internal step in time: results at body weight change by a thousandth where both are a tenth.
+/// Of Newton's method and of one internal step in time: in a walking cycle at body weight a tenth of the second changes support and least
+/// film by 1e-4 and rolling friction by 1e-2.
 const TOLERANCES: [f64; 2] = [1e-5, 1e-2];
 
 impl Tissue {

@@ -60,13 +60,4 @@ impl System {
         }
         result
     }
-
-    /// Stations in contact, by the nearest ones of the present mesh.
-    pub fn interpolated_contact(&self, active: &[bool], contact_half_width: f64) -> Vec<bool> {
-        let nearest = |x: &f64| {
-            let (first, s) = find(&self.stations, *x);
-            active[first + (s + 1.0).round() as usize]
-        };
-        Grid::new(&self.parameters, contact_half_width).stations.iter().map(nearest).collect()
-    }
 }
