@@ -59,8 +59,12 @@ impl Solved<'_> {
         let consistent = p.formulation == Formulation::Consistent;
         let ends = [pressure[0], pressure[pressure.len() - 1]];
         let touching = [nodes[0], nodes[nodes.len() - 1]].map(|i| self.at.gap(system, i) < 3.0 * p.surface_roughness);
+        let pressing = |i: &usize| pressure[*i].abs() > LARGE_END * largest;
+        let outermost = (0..x.len()).filter(pressing).map(|i| x[i].abs()).fold(0.0, f64::max);
         if consistent && (touching.contains(&true) || ends.iter().any(|end| end.abs() > LARGE_END * largest)) {
             warnings.push("contact or pressure reaches the end of the sector: a larger sector_half_angle, or 0 for a sector that goes with the contact".into());
+        } else if consistent && system.half_width() - outermost < system.thickness() {
+            warnings.push("the sector ends within a thickness of where the pressure ends: depth and load may be off by a tenth; a larger sector_half_angle, or 0 for a sector that goes with the contact (0.7 rad at most: wider contacts are beyond this model)".into());
         }
         if von_mises > LARGE_STRESS * largest {
             warnings.push(format!(
