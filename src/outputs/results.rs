@@ -387,6 +387,8 @@ results! {
         "Share of the nominal area that is in real contact, a mean weighted with pressure; 0 with smooth surfaces";
     522 estimated_load_error: real(Unit::One, 1e-2), absent,
         "Estimated error of the load by the mesh over the load, from the curvature of the pressures between nodes";
+    533 estimated_film_error: real(Unit::One, 1e-2), absent,
+        "Estimated error of the least film thickness by the mesh over that thickness, from kinks of the film between elements where it is thin";
     523 well_resolved: boolean, absent,
         "Whether mesh and sector are fine and wide enough for these results; a warning says what is not";
     524 mesh_columns: integer, absent, "Elements along the surface of these results";
