@@ -185,19 +185,26 @@ impl Solved<'_> {
         let rough = system.roughness();
         let height = system.mean_height(self.at, change);
         let zero = Dual64::from(0.0);
-        let (mut rolling, mut sliding, mut sliding_height, mut poiseuille) = (zero, zero, zero, zero);
+        let fall = |first: usize, s: f64| -> f64 {
+            quadratic(s).iter().enumerate().map(|(a, shape)| system.tangent_fall(first + a) * shape).sum()
+        };
+        let (mut rolling, mut sliding, mut poiseuille) = (zero, zero, zero);
+        // Of the sliding part, the force along x and the lever about the middle of the contact.
+        let (mut sliding_along_x, mut sliding_lever) = (zero, zero);
         for column in 0..gap.len() / 2 {
             let local = |f: &[Dual64], shape: [f64; 3]| (0..3).map(|a| f[2 * column + a] * shape[a]).sum::<Dual64>();
-            let half = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
+            let half = 0.5 * system.film_length(column);
+            let half_along_x = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let (gap, gradient) = (local(&gap, quadratic(s)), local(&pressure, quadratic_derivative(s)) / half);
                 let [with_pressure, with_walls] = system.film().wall_shear(gap, gradient, difference);
                 // Void drags nothing. Its jumps at the ends of the cavitated film make a parabola overshoot; straight lines do not.
                 let full = -local(&void_share, linear(s)) + 1.0;
-                let shear = with_walls * full * (half * w);
+                let stress = with_walls * full * w;
                 rolling += with_pressure * (half * w);
-                sliding += shear;
-                sliding_height += shear * local(&height, quadratic(s));
+                sliding += stress * half;
+                sliding_along_x += stress * half_along_x;
+                sliding_lever += stress * (local(&height, quadratic(s)) - fall(2 * column, s)) * half_along_x;
                 poiseuille += system.film().pressure_flow_dissipation(gap, gradient, difference) * (half * w);
             }
         }
@@ -207,7 +214,8 @@ impl Solved<'_> {
         for ([with_pressure, with_walls], end) in ends {
             rolling += with_pressure;
             sliding += with_walls;
-            sliding_height += with_walls * height[end];
+            sliding_along_x += with_walls * system.cosine[end];
+            sliding_lever += with_walls * (height[end] - system.tangent_fall(end)) * system.cosine[end];
             // Out there the slope of the mean surface is in proportion to that of the gap: int p h' dx = [p h] - int h p' dx.
             let side = if end == 0 { -1.0 } else { 1.0 };
             let [upper, lower] = [p.upper.curvature(), p.lower.curvature()];
@@ -217,14 +225,13 @@ impl Solved<'_> {
         let (m, slopes) =
             mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);
         let mobilised = Dual64::new(m, slopes[0] * speeds[0].eps + slopes[1] * speeds[1].eps);
-        let rubbing = loads.solid + loads.fluid_in_contact * p.solid_fraction;
-        let boundary = rubbing * mobilised * p.boundary_friction_coefficient;
+        let rubs = mobilised * p.boundary_friction_coefficient;
+        let boundary = resultant.rubbing * rubs;
         let fluid_friction = [rolling + sliding, -rolling + sliding];
-        let rubbing_height = resultant.rubbing_height * mobilised * p.boundary_friction_coefficient;
 
         let tissue = self.tissue_energy(change, speeds);
-        let tangential_load = resultant.on_slopes + beyond - sliding - boundary;
-        let load_moment = resultant.moment + sliding_height + rubbing_height;
+        let tangential_load = resultant.on_slopes + beyond - sliding_along_x - resultant.rubbing_along_x * rubs;
+        let load_moment = resultant.moment + sliding_lever + resultant.rubbing_lever * rubs;
         // Each bone turns about the centre of its undeformed surface, so that this one has the surface's speed.
         let rotation_power = [(p.upper.curvature(), speeds[0], -1.0), (p.lower.curvature(), speeds[1], 1.0)]
             .into_iter()
@@ -244,7 +251,7 @@ impl Solved<'_> {
         let touching = rough.map_or(self.at.active.contains(&true), |rough| least.re < MIXED_FILM * rough.rms);
         let mut contact_length = Dual64::from(0.0);
         for i in 0..gap.len() - 1 {
-            let step = system.stations[i + 1] - system.stations[i];
+            let step = system.arc[i + 1] - system.arc[i];
             // Between a node that presses and one that gapes the edge is where a line through both is zero.
             let edge = |inside: usize, outside: usize| match rough {
                 Some(rough) => (gap[inside] - MIXED_FILM * rough.rms) / (gap[inside] - gap[outside]) * step,

@@ -13,7 +13,11 @@ pub struct Grid {
     pub stations: Vec<f64>,
     /// Depths of the levels below the surface over the thickness, of the upper and the lower body.
     pub depths: [Vec<f64>; 2],
-    /// Distance of the undeformed surfaces at first touch, at the interface nodes \[m\].
+    /// Places of the interface nodes along the arc of the film \[m\].
+    pub arc: Vec<f64>,
+    /// Cosine of the angle of that arc with the x axis, at the interface nodes.
+    pub cosine: Vec<f64>,
+    /// Distance of the undeformed surfaces at first touch, across the arc, at the interface nodes \[m\].
     pub touching_gap: Vec<f64>,
 }
 
@@ -27,7 +31,13 @@ fn curvature(parameters: &Parameters) -> f64 {
     parameters.upper.curvature() + parameters.lower.curvature()
 }
 
-/// Distance of the undeformed surfaces at first touch \[m\].
+/// Curvature of the arc along which the film lies \[1/m\]: halfway between the undeformed surfaces, or on the rigid counterface.
+pub fn film_curvature(parameters: &Parameters) -> f64 {
+    let [upper, lower] = [parameters.upper.curvature(), -parameters.lower.curvature()];
+    if parameters.rigid_lower { lower } else { 0.5 * (upper + lower) }
+}
+
+/// Distance of the undeformed surfaces at first touch, along y \[m\].
 fn touching_gap(parameters: &Parameters, x: f64) -> f64 {
     let height = |body: &Body| {
         let sine = x * body.curvature();
@@ -142,7 +152,7 @@ pub fn half_width(parameters: &Parameters, contact: f64) -> f64 {
 }
 
 /// Half the angle of the widest sector \[rad\].
-const LARGEST_ANGLE: f64 = 0.7;
+const LARGEST_ANGLE: f64 = 1.05;
 
 /// Ends of `columns` elements between -half_width and half_width, dense at the edges of the contact.
 fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
@@ -209,6 +219,17 @@ impl Grid {
             let grading = if by_contact { row_grading(p, body, rows) } else { p.mesh.row_grading };
             quadratic_stations(rows as usize, |j| graded(j as f64 / f64::from(rows), grading))
         });
-        Self { touching_gap: stations.iter().map(|x| touching_gap(p, *x)).collect(), stations, depths }
+        let curvature = film_curvature(p);
+        let cosine = |x: f64| (1.0 - (x * curvature).powi(2)).sqrt();
+        Self {
+            arc: stations
+                .iter()
+                .map(|x| if curvature == 0.0 { *x } else { (x * curvature).asin() / curvature })
+                .collect(),
+            cosine: stations.iter().map(|x| cosine(*x)).collect(),
+            touching_gap: stations.iter().map(|x| touching_gap(p, *x) * cosine(*x)).collect(),
+            stations,
+            depths,
+        }
     }
 }

@@ -18,6 +18,8 @@ pub struct Resolution {
 const LARGE_ERROR: f64 = 0.02;
 /// Pressure at an end of the sector over the largest one that is worth one.
 const LARGE_END: f64 = 0.03;
+/// Of the sector beyond where the pressure ends, in thicknesses, for 2 % of the load.
+const LEAST_MARGIN: f64 = 2.5;
 /// Stress over pressure that no contact has.
 const LARGE_STRESS: f64 = 20.0;
 
@@ -63,8 +65,8 @@ impl Solved<'_> {
         let outermost = (0..x.len()).filter(pressing).map(|i| x[i].abs()).fold(0.0, f64::max);
         if consistent && (touching.contains(&true) || ends.iter().any(|end| end.abs() > LARGE_END * largest)) {
             warnings.push("contact or pressure reaches the end of the sector: a larger sector_half_angle, or 0 for a sector that goes with the contact".into());
-        } else if consistent && system.half_width() - outermost < system.thickness() {
-            warnings.push("the sector ends within a thickness of where the pressure ends: depth and load may be off by a tenth; a larger sector_half_angle, or 0 for a sector that goes with the contact (0.7 rad at most: wider contacts are beyond this model)".into());
+        } else if consistent && system.half_width() - outermost < LEAST_MARGIN * system.thickness() {
+            warnings.push("the sector ends within 2.5 thicknesses of where the pressure ends: depth and load may be off by some per cent, at one thickness by a fifth; a larger sector_half_angle, or 0 for a sector that goes with the contact (1.05 rad at most: wider contacts are beyond this model)".into());
         }
         if von_mises > LARGE_STRESS * largest {
             warnings.push(format!(

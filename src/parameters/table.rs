@@ -259,7 +259,7 @@ static BODY_ROWS: [Parameter; 12] = body_rows! {
 };
 
 static COMMON_ROWS: [Parameter; 19] = rows! {
-    446 sector_half_angle: real(Unit::Radian, 0.0, 0.7, 0.1),
+    446 sector_half_angle: real(Unit::Radian, 0.0, 1.05, 0.1),
         "Half the angle of the modelled sector of the body with the smaller radius; 0: it goes with the contact";
     447 width: real(Unit::Metre, 1e-6, 1e3, 1.0),
         "Extent of the contact out of the plane: forces are loads per unit depth times this";

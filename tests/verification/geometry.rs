@@ -2,6 +2,8 @@
 //!
 //! - Bodies whose curvatures k have the same sum have the same gap to first order. They differ by the next order of the gap,
 //!   (k1^3 + k2^3) x^4/8, and of the layers' width, which to second order in angles go with (k1 - k2)^2.
+//! - A shaft in a bearing of 60 degrees to either side (Sommerfeld; Cameron): h = c - e cos(angle), p' = 6 eta U (h - h*)/h^3 along the arc with
+//!   h* = int h^-2 / int h^-3, wall shear h p'/2 + eta (U1 - U2)/h, and the moment of the shear about the shaft's axis.
 //! - A rigid, impermeable counterface is the limit of a second layer that is stiff and tight.
 //! - Against a flat counterface without motion a layer is drained, and carries at a depth what a pair of such layers does at twice that.
 
@@ -51,6 +53,49 @@ fn equal_gaps_carry_alike_at_small_angles_and_part_at_large_ones() {
     assert!((loads[1] / loads[0] - 1.0).abs() < 2e-3 && (loads[4] / loads[0] - 1.0).abs() > 0.02);
     assert_relative_eq!(apart[0], apart[1], max_relative = 0.05);
     assert_relative_eq!(apart[0], apart[2], max_relative = 0.3);
+}
+
+/// Stiff bodies with a clearance of 25 micron and a film of 5 micron in the middle.
+#[test]
+fn a_film_lies_along_the_arc_of_a_bearing() {
+    let (radius, clearance, least) = (0.025, 25e-6, 5e-6);
+    let base = Parameters { formulation: Formulation::Paper, ..case() };
+    let stiff = Body { shear_modulus: 1e10, bulk_modulus: 1e10, permeability: 1e-17, thickness: 1e-3, ..base.upper };
+    let end = 1.04_f64;
+    let mesh = Mesh { columns: 60, column_grading: 0.0, ..base.mesh };
+    let (upper, lower) = (Body { outer_radius: radius, ..stiff }, Body { outer_radius: -radius - clearance, ..stiff });
+    let parameters = Parameters { upper, lower, sector_half_angle: end, shear_film_offset: 1e-9, mesh, ..base };
+    let (speed, ratio) = (0.1, 0.8);
+    let o = at(&parameters, &[-1e6 * least], speed, ratio);
+
+    // The arc halfway between the surfaces, by the midpoint rule.
+    let (eta, middle) = (parameters.viscosity, radius + 0.5 * clearance);
+    let last = (radius * end.sin() / middle).asin();
+    const COUNT: usize = 20_000;
+    let step = 2.0 * last / COUNT as f64;
+    let thickness: Vec<f64> =
+        (0..COUNT).map(|i| clearance - (clearance - least) * ((i as f64 + 0.5) * step - last).cos()).collect();
+    let integral = |f: &dyn Fn(f64) -> f64| thickness.iter().map(|h| f(*h) * middle * step).sum::<f64>();
+    let carried = integral(&|h| h.powi(-2)) / integral(&|h| h.powi(-3));
+    let slope = |h: f64| 6.0 * eta * speed * (h - carried) / h.powi(3);
+    let mut pressure = 0.0;
+    let largest = thickness.iter().fold(0.0, |largest: f64, h| {
+        pressure += slope(*h) * middle * step;
+        largest.max(pressure.abs())
+    });
+    let [rolling, sliding] =
+        [integral(&|h| 0.5 * h * slope(h)), integral(&|h| eta * speed * ratio / (h + parameters.shear_film_offset))]
+            .map(|force| force * parameters.width);
+    println!(
+        "p {} {largest}, T {} {} of {rolling} + {sliding}",
+        o.maximum_fluid_pressure, o.upper_friction_force, o.lower_friction_force
+    );
+    assert_relative_eq!(o.maximum_fluid_pressure, largest, max_relative = 2e-3);
+    assert_relative_eq!(-o.minimum_fluid_pressure, largest, max_relative = 2e-3);
+    assert_relative_eq!(o.upper_friction_force, rolling + sliding, max_relative = 2e-3);
+    assert_relative_eq!(o.lower_friction_force, sliding - rolling, max_relative = 2e-3);
+    // About the middle of the contact; about the shaft's axis, a radius above, the pressures have no moment.
+    assert_relative_eq!(o.upper_moment + middle * o.upper_force_x, -middle * sliding, max_relative = 1e-2);
 }
 
 #[test]

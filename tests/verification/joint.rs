@@ -354,6 +354,34 @@ fn finer_and_wider(rms: f64, micron: f64) {
     }
 }
 
+/// A sector of the contact and half a thickness more changes the depth under a load, and says so; the program's own does not.
+#[test]
+fn a_sector_that_ends_near_the_pressure_is_told_of() {
+    let warnings = |sector_half_angle: f64| {
+        let parameters = Parameters { sector_half_angle, ..rough(1e-6) };
+        let mut joint = Simulation::new(&parameters).unwrap();
+        joint.solve_steady(inputs(30.0, U, 0.0)).unwrap();
+        (joint.outputs().clone(), joint.warnings().to_vec())
+    };
+    let (automatic, nothing) = warnings(0.0);
+    assert!(!nothing.iter().any(|warning| warning.contains("sector")), "{nothing:?}");
+    let thickness = Preset::HumanFemoralCondyle.parameters().upper.thickness;
+    let pressed = automatic.contact_length.max(2e-3);
+    // From the edge of the contact, which the pressure passes by half a thickness.
+    for (thicknesses, words) in
+        [(0.5, "reaches the end of the sector"), (1.2, "within 2.5 thicknesses"), (2.5, "within 2.5 thicknesses")]
+    {
+        let (narrow, told) = warnings(((0.5 * pressed + thicknesses * thickness) / 0.1).asin());
+        println!("{thicknesses}: {} of {} N/m, {told:?}", narrow.load, automatic.load);
+        assert!((narrow.load / automatic.load - 1.0).abs() > 0.02);
+        assert!(told.iter().any(|warning| warning.contains(words)), "{told:?}");
+    }
+    // Enough for 1 %.
+    let (wide, nothing) = warnings(((0.5 * pressed + 4.0 * thickness) / 0.1).asin());
+    assert_relative_eq!(wide.load, automatic.load, max_relative = 1e-2);
+    assert!(!nothing.iter().any(|warning| warning.contains("sector")), "{nothing:?}");
+}
+
 /// Under load: the depth follows, and the state is that of the depth.
 #[test]
 fn rough_surfaces_under_a_load() {

@@ -24,6 +24,7 @@ mod mandel;
 mod paper_case;
 mod path_independence;
 mod porous_film;
+mod random_cases;
 mod reach;
 mod soft_film;
 mod solid_alone;

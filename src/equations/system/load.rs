@@ -3,6 +3,7 @@
 use num_dual::Dual64;
 
 use super::{At, Change, System, surface_speeds};
+use crate::equations::grid;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, quadratic, quadratic_derivative};
 use crate::laws::chain;
 use crate::solver::linear::FIXED;
@@ -14,8 +15,6 @@ pub struct Loads {
     pub fluid: Dual64,
     /// Of solid contact.
     pub solid: Dual64,
-    /// Integral of real contact's fraction times the fluid's pressure (rough surfaces).
-    pub fluid_in_contact: Dual64,
     /// Integral of real contact's fraction times all pressure.
     pub in_real_contact: Dual64,
 }
@@ -49,7 +48,7 @@ impl System {
     /// surfaces (the mean of both bodies), else over the undeformed ones.
     pub fn loads(&self, at: At<'_>, change: &Change) -> Loads {
         let zero = Dual64::from(0.0);
-        let mut loads = Loads { fluid: zero, solid: zero, fluid_in_contact: zero, in_real_contact: zero };
+        let mut loads = Loads { fluid: zero, solid: zero, in_real_contact: zero };
         let law = self.contact_law();
         let levels = self.layers[0].mesh.levels();
         let value = |number: u32| match number {
@@ -81,7 +80,6 @@ impl System {
                 let fluid = interpolated(s) * weight;
                 let share = chain(law.real_contact_share(gap.0), gap.1);
                 loads.solid += solid;
-                loads.fluid_in_contact += share * fluid;
                 loads.in_real_contact += share * (solid + fluid);
             }
         }
@@ -119,8 +117,12 @@ pub struct Resultant {
     pub on_slopes: Dual64,
     /// Moment of the pressures on the upper body about the middle of the contact, counter-clockwise \[N\].
     pub moment: Dual64,
-    /// Integral of what rubs, see [`Loads`], times the height of the mean surface \[N\].
-    pub rubbing_height: Dual64,
+    /// Integral of what rubs along the arc of the film: pressure of solids, and of the fluid in real contact as far as friction feels it \[N/m\].
+    pub rubbing: Dual64,
+    /// Likewise along x \[N/m\].
+    pub rubbing_along_x: Dual64,
+    /// What rubs times the lever of a traction along the arc about the middle of the contact \[N\].
+    pub rubbing_lever: Dual64,
 }
 
 impl System {
@@ -135,17 +137,26 @@ impl System {
             // Above a rigid counterface, which has come up by half the depth.
             None => {
                 let depth = Dual64::new(at.inputs.penetration_depth, change.inputs.penetration_depth);
-                (value(self.layout.gap[i]) + depth) * 0.5 + (surface(0, i) - self.touching_gap[i])
+                let counterface = surface(0, i) - self.touching_gap[i] / self.cosine[i];
+                value(self.layout.gap[i]) / self.cosine[i] * 0.5 + depth * 0.5 + counterface
             }
         };
         (0..self.stations.len()).map(height).collect()
+    }
+
+    /// Height of a station less that at which its tangent to the arc of the film passes x = 0 \[m\]: the lever that a force along the arc
+    /// loses by its part along y, per unit of its part along x.
+    pub fn tangent_fall(&self, station: usize) -> f64 {
+        let sine = self.stations[station] * grid::film_curvature(&self.parameters);
+        self.stations[station] * sine / self.cosine[station]
     }
 
     /// Force and moment of the pressures on the upper body: half the difference of what acts on the two bodies, so that the lower one
     /// has the opposite. The surfaces are those of [`System::loads`].
     pub fn resultant(&self, at: At<'_>, change: &Change) -> Resultant {
         let zero = Dual64::from(0.0);
-        let mut sum = Resultant { on_slopes: zero, moment: zero, rubbing_height: zero };
+        let mut sum =
+            Resultant { on_slopes: zero, moment: zero, rubbing: zero, rubbing_along_x: zero, rubbing_lever: zero };
         let (law, levels) = (self.contact_law(), self.layers[0].mesh.levels());
         let height = self.mean_height(at, change);
         let value = |number: u32| match number {
@@ -155,8 +166,7 @@ impl System {
         let deforms = self.layers[0].tissue.consistent || self.roughness().is_some();
         // Places of the surface nodes of a body.
         let places = |body: usize, i: usize| -> [Dual64; 2] {
-            let layer = &self.layers[body];
-            let [x, y] = layer.mesh.nodes[i * levels];
+            let [x, y] = self.layers[body].mesh.nodes[i * levels];
             let opening = value(self.layout.gap[i]) - self.touching_gap[i];
             // Against a rigid counterface the unknowns are seen from there; both bones come half the way.
             let mean = match self.layout.mean.get(i) {
@@ -165,7 +175,7 @@ impl System {
                 None => Dual64::new(at.inputs.penetration_depth, change.inputs.penetration_depth) * 0.5,
             };
             let sideways = if deforms { value(self.layout.horizontal[body][i * levels]) } else { zero };
-            [sideways + x, mean + opening * self.part(layer) + y]
+            [sideways + x, mean + opening * self.surface_part(body, i) + y]
         };
         let share = 1.0 / self.layers.len() as f64;
         let order = self.layers[0].mesh.pressure_order;
@@ -198,7 +208,10 @@ impl System {
                 let rubbing =
                     solid + real * dot(pressure(order, s), &fluid) * (2.0 * simpson * self.parameters.solid_fraction);
                 for [x, _] in &bodies {
-                    sum.rubbing_height += rubbing * dot(quadratic_derivative(s), x) * heights[a] * share;
+                    let along_x = rubbing * dot(quadratic_derivative(s), x) * share;
+                    sum.rubbing += along_x / self.cosine[first + a];
+                    sum.rubbing_along_x += along_x;
+                    sum.rubbing_lever += along_x * (heights[a] - self.tangent_fall(first + a));
                 }
             }
         }
@@ -206,7 +219,9 @@ impl System {
             let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
             let place = (0..self.layers.len()).map(|body| places(body, i)[0] * share).sum::<Dual64>();
             sum.moment += force * place;
-            sum.rubbing_height += force * height[i];
+            sum.rubbing += force / self.cosine[i];
+            sum.rubbing_along_x += force;
+            sum.rubbing_lever += force * (height[i] - self.tangent_fall(i));
         }
         sum
     }

@@ -107,9 +107,13 @@ pub struct System {
     thickening: f64,
     /// x of the interface nodes \[m\].
     pub stations: Vec<f64>,
+    /// Places of the interface nodes along the arc of the film \[m\].
+    pub arc: Vec<f64>,
+    /// Cosine of the angle of that arc with the x axis, at the interface nodes.
+    pub cosine: Vec<f64>,
     /// Simpson weights of the interface nodes \[m\].
     pub weights: Vec<f64>,
-    /// Distance of the undeformed surfaces at first touch \[m\].
+    /// Distance of the undeformed surfaces at first touch, across the arc \[m\].
     pub touching_gap: Vec<f64>,
     /// The unknowns.
     pub layout: Layout,
@@ -286,6 +290,8 @@ impl System {
             contact_half_width,
             thickening: 1.0,
             stations: Vec::new(),
+            arc: Vec::new(),
+            cosine: Vec::new(),
             weights: Vec::new(),
             touching_gap: Vec::new(),
             film: Film {
@@ -333,7 +339,7 @@ impl System {
     }
 
     fn take_interface(&mut self, grid: Grid) {
-        let Grid { stations, touching_gap, .. } = grid;
+        let Grid { stations, arc, cosine, touching_gap, .. } = grid;
         self.weights = vec![0.0; stations.len()];
         for first in (0..stations.len() - 1).step_by(2) {
             let length = stations[first + 2] - stations[first];
@@ -345,12 +351,14 @@ impl System {
         if p.formulation == Formulation::Consistent && !p.cavitation {
             let x = stations[stations.len() - 1];
             let sum = |f: &dyn Fn(f64) -> f64| f(p.upper.curvature()) + f(p.lower.curvature());
-            // Of a circle: y' = x/R / sqrt(1 - (x/R)^2).
-            let slope = sum(&|curvature| x * curvature / (1.0 - (x * curvature).powi(2)).sqrt());
+            // Of a circle: y' = x/R / sqrt(1 - (x/R)^2); across the arc of the film, and along it.
+            let along_y = sum(&|curvature| x * curvature / (1.0 - (x * curvature).powi(2)).sqrt());
+            let (last, arc) = (stations.len() - 1, grid::film_curvature(p));
+            let slope = cosine[last] * (cosine[last] * along_y) - touching_gap[last] * x * arc.powi(2) / cosine[last];
             let curvature = sum(&|curvature| curvature);
             self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, fluid: self.film.fluid }));
         }
-        (self.stations, self.touching_gap) = (stations, touching_gap);
+        (self.stations, self.arc, self.cosine, self.touching_gap) = (stations, arc, cosine, touching_gap);
     }
 
     /// Number of unknowns.
@@ -368,9 +376,14 @@ impl System {
         &self.film
     }
 
-    /// The surface of a body.
-    fn surface(&self, body: usize) -> Surface {
-        Surface::new(self.part(&self.layers[body]), self.layers.len() == 2)
+    /// The surface of a body in a column.
+    fn surface(&self, body: usize, column: usize) -> Surface {
+        Surface::new([0, 1, 2].map(|a| self.surface_part(body, 2 * column + a)), self.layers.len() == 2)
+    }
+
+    /// What the surface of a body takes along y of an opening of the gap at a station, with its sign.
+    fn surface_part(&self, body: usize, station: usize) -> f64 {
+        self.part(&self.layers[body]) / self.cosine[station]
     }
 
     /// How gap and pressure of the solids go together.
@@ -429,8 +442,8 @@ impl System {
     /// The exact solution without motion and without contact.
     pub fn rest(&self, penetration_depth: f64) -> Vec<f64> {
         let mut unknowns = vec![0.0; self.unknowns()];
-        for (gap, touching) in self.layout.gap.iter().zip(&self.touching_gap) {
-            unknowns[*gap as usize] = touching - penetration_depth;
+        for ((gap, touching), cosine) in self.layout.gap.iter().zip(&self.touching_gap).zip(&self.cosine) {
+            unknowns[*gap as usize] = touching - penetration_depth * cosine;
         }
         for layer in 0..self.layers.len() {
             let shift = -self.part(&self.layers[layer]) * penetration_depth;
@@ -461,7 +474,7 @@ impl System {
                 let station = n / (last + 1);
                 let opening = unknowns[layout.gap[station] as usize] - offset * self.touching_gap[station];
                 let mean = layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]);
-                self.surface(body).displacement(mean, opening)
+                mean + self.surface_part(body, station) * opening
             } else if level == last {
                 bone
             } else {
@@ -518,7 +531,8 @@ impl System {
         inputs: &Inputs,
         rates: Option<&Rates>,
     ) -> impl Iterator<Item = (usize, Outflow)> {
-        let ends = [self.mesh_speeds(rates, 0)[0], self.mesh_speeds(rates, self.layers[0].mesh.columns - 1)[1]];
+        let ends =
+            [self.film_mesh_speeds(rates, 0)[0], self.film_mesh_speeds(rates, self.layers[0].mesh.columns - 1)[1]];
         let last = self.stations.len() - 1;
         let speeds = surface_speeds(inputs);
         self.film_ends.iter().flatten().zip([0, last]).zip(ends).map(move |((end, station), mesh)| {
@@ -532,8 +546,9 @@ impl System {
         })
     }
 
-    fn film_length(&self, column: usize) -> f64 {
-        self.stations[2 * column + 2] - self.stations[2 * column]
+    /// Length of a column of the film along its arc \[m\].
+    pub fn film_length(&self, column: usize) -> f64 {
+        self.arc[2 * column + 2] - self.arc[2 * column]
     }
 
     /// How fast what an element took up changes.
@@ -546,7 +561,7 @@ impl System {
         rates.map_or_else(MassRate::default, |r| MassRate {
             rate: r.rate,
             history: r.history.film[column],
-            mesh_speeds: self.mesh_speeds(rates, column),
+            mesh_speeds: self.film_mesh_speeds(rates, column),
         })
     }
 
@@ -554,6 +569,12 @@ impl System {
     fn mesh_speeds(&self, rates: Option<&Rates>, column: usize) -> [f64; 2] {
         let speed = |i: usize| rates.map_or(0.0, |r| r.rate * self.stations[i] + r.history.stations[i]);
         [2 * column, 2 * column + 2].map(speed)
+    }
+
+    /// Likewise along the arc of the film.
+    fn film_mesh_speeds(&self, rates: Option<&Rates>, column: usize) -> [f64; 2] {
+        let [left, right] = self.mesh_speeds(rates, column);
+        [left / self.cosine[2 * column], right / self.cosine[2 * column + 2]]
     }
 
     /// Surface speeds of a body relative to the mesh at both edges of a column \[m/s\].
@@ -571,7 +592,7 @@ impl System {
         let mut of_cell = [0.0; LOCAL + 3];
         of_cell[..LOCAL].copy_from_slice(local);
         if element.is_multiple_of(self.layers[body].mesh.rows) {
-            self.surface(body).transform_rows(&mut of_cell);
+            self.surface(body, element / self.layers[body].mesh.rows).transform_rows(&mut of_cell);
         }
         scatter(&of_cell, &self.layout.cells[self.layout.cell(body, element)], values);
     }

@@ -137,7 +137,7 @@ impl System {
         let mut changed = false;
         for (i, active) in active.iter_mut().enumerate() {
             let gap = self.layout.gap[i] as usize;
-            contact_forces[i] = self.copies() * values[gap];
+            contact_forces[i] = self.copies() * self.cosine[i] * values[gap];
             let multiplier = if *active { contact_forces[i] / self.weights[i] } else { 0.0 };
             let now = contact.law.is_active(*active, multiplier, unknowns[gap]);
             changed |= now != *active;

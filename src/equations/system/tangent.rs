@@ -232,7 +232,7 @@ impl System {
         }
         let column = element / layer.mesh.rows;
         let two_bodies = self.layers.len() == 2;
-        let surface = self.surface(body);
+        let surface = self.surface(body, column);
         surface.transform_columns(matrix, m);
         for (a, values) in by_gap.iter().enumerate() {
             let column = &mut matrix[(NODES + a) * m..][..LOCAL];
@@ -244,7 +244,7 @@ impl System {
             surface.transform_rows(values);
             for a in (0..3).filter(|a| active[2 * column + a]) {
                 if two_bodies {
-                    let force = layer.side * contact.friction * values[NODES + a];
+                    let force = layer.side * contact.friction * self.cosine[2 * column + a] * values[NODES + a];
                     values[a] += force;
                     values[LOCAL + 3 + a] -= force;
                 }
@@ -308,7 +308,7 @@ impl System {
             let speeds = direction.surface_speeds(at.inputs);
             for i in (0..at.active.len()).filter(|i| at.active[*i]) {
                 let gap = self.layout.gap[i] as usize;
-                let change = contact.friction * self.copies() * values[gap]
+                let change = contact.friction * self.copies() * self.cosine[i] * values[gap]
                     + contact.friction_change(speeds) * at.contact_forces[i];
                 self.add_friction(i, change, values);
                 values[gap] = 0.0;
@@ -345,7 +345,7 @@ impl System {
                 self.scatter(body, element, &local, &mut values);
             }
         }
-        let force = |i: usize| self.copies() * values[self.layout.gap[i] as usize];
+        let force = |i: usize| self.copies() * self.cosine[i] * values[self.layout.gap[i] as usize];
         (0..at.active.len()).map(|i| if at.active[i] { force(i) } else { 0.0 }).collect()
     }
 

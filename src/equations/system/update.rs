@@ -84,10 +84,10 @@ impl System {
 
     /// Moves the tissue below a station by what its gap was changed, less and less towards the bone.
     fn follow(&self, station: usize, opening: f64, unknowns: &mut [f64]) {
-        for ((layer, vertical), heights) in self.layers.iter().zip(&self.layout.vertical).zip(&self.height) {
+        for (body, (vertical, heights)) in self.layout.vertical.iter().zip(&self.height).enumerate() {
             let column = &vertical[station * heights.len()..(station + 1) * heights.len()];
             for (number, height) in column.iter().zip(heights).filter(|(n, _)| **n != FIXED) {
-                unknowns[*number as usize] += self.part(layer) * opening * height;
+                unknowns[*number as usize] += self.surface_part(body, station) * opening * height;
             }
         }
     }
