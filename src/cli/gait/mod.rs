@@ -13,27 +13,24 @@ use cartilage_contact::sweep;
 use cartilage_contact::variables::{self, Source};
 use indicatif::ProgressBar;
 
-use self::cycle::{Cycle, PUBLISHED, Scales};
+use self::cycle::{Cycle, PEAK};
 use super::case::CaseArguments;
 use super::figures::gait::State;
 use super::stribeck::progress;
 use super::{Failure, figures, format, print};
 
 const EXAMPLES: &str = "\
-Without --history the cycle is that of a hip in the manner of ISO 14242-1, or with --joint knee of ISO 14243-3 \
-(examples/gait_hip.csv, gait_knee.csv): 1 s, scaled to the largest force that was measured in walking, 2.38 body weights, or 0.4 of 2.61 on the \
-lateral side of a knee. Its load is that over the width of the case, and the case is --joint hip unless one is named; or it is scaled to \
---peak-load, for tissue as soft as the paper's. A history is a CSV or an OpenSim .sto file of one cycle with columns time, \
-applied_load or force, and sliding_speed, or flexion with or without translation, which --joint-radius turns into speed. They are in SI \
-units, or as their heads say: force [kN], flexion [deg]. The case's own time_integration, control and inputs of load, depth and speed \
-are not used. The folder gets gait.csv (one row a communication point) and a picture.
+Without --history the cycle is a stylised hip: 1.1 s, two peaks of load of 2.38 and 2.1 body weights, 40 degrees of flexion out and back. \
+Its load is that of --body-weight over the width of the case, and the case is --joint hip unless one is named; or it is scaled to --peak-load, \
+for tissue as soft as the paper's. A history is a CSV or an OpenSim .sto file of one \
+cycle with columns time [s], sliding_speed [m/s], and applied_load [N/m] or force [N]. The case's own time_integration, control and \
+inputs of load, depth and speed are not used. The folder gets gait.csv (one row a communication point) and a picture.
 
 Examples:
   cartilage-contact gait
   cartilage-contact gait --body-weight 900 --set slide_to_roll_ratio=1
   cartilage-contact gait --joint knee --body-weight 600
   cartilage-contact gait --peak-load 25 --steps 200
-  cartilage-contact gait --joint hip --history examples/gait_hip.csv --transient-only
   cartilage-contact gait --history walk.sto --set width=0.02 --cycles 5";
 
 /// A walking cycle under load control: in time until it repeats, beside quasi-steady.
@@ -43,16 +40,16 @@ pub struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
 
-    /// Largest load per unit depth of the published cycle \[N/m\], in place of a body weight
+    /// Largest load per unit depth of the stylised cycle \[N/m\], in place of a body weight
     #[arg(long, value_name = "LOAD", conflicts_with_all = ["body_weight", "history"])]
     peak_load: Option<f64>,
 
-    /// Body weight \[N\]: the load is the joint's over the width of the case; 750 by default
+    /// Body weight \[N\]: the load is the hip's over the width of the case; 750 by default
     #[arg(long, value_name = "FORCE", conflicts_with = "history")]
     body_weight: Option<f64>,
 
-    /// Radius that turns flexion into sliding speed \[m\]; 0.032 for a knee, 0.024 otherwise
-    #[arg(long, value_name = "LENGTH")]
+    /// Radius that turns flexion into sliding speed \[m\]; 0.024 by default
+    #[arg(long, value_name = "LENGTH", conflicts_with = "history")]
     joint_radius: Option<f64>,
 
     /// Load and speed of one cycle of your own (CSV, OpenSim .sto)
@@ -100,29 +97,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     positive("--periodicity", arguments.periodicity, "(a share, such as 0.01)")?;
     let steps = arguments.steps as usize;
-    let joint = arguments.case.joint().unwrap_or(PUBLISHED[0].joint);
-    let published = PUBLISHED.iter().find(|published| published.joint == joint);
-    let radius = arguments.joint_radius.or(published.map(|published| published.radius));
-    let radius = positive("--joint-radius", radius.unwrap_or(PUBLISHED[0].radius), "m")?;
-    let cycle = match (&arguments.history, published) {
-        (Some(path), _) => Cycle::read(path, Scales { width: parameters.width, radius }, steps),
-        (None, Some(published)) => {
+    let cycle = match &arguments.history {
+        Some(path) => Cycle::read(path, parameters.width, steps).map_err(|error| Failure::Usage(error.to_string()))?,
+        None => {
             let load = match arguments.peak_load {
-                Some(load) => positive("--peak-load", load, "N/m")?,
-                None => {
-                    let weight = positive("--body-weight", arguments.body_weight.unwrap_or(750.0), "N")?;
-                    published.peak * weight / parameters.width
-                }
+                Some(load) => positive("--peak-load", load, "N/m")? / PEAK,
+                None => positive("--body-weight", arguments.body_weight.unwrap_or(750.0), "N")? / parameters.width,
             };
-            Cycle::published(published, load, radius, steps)
-        }
-        (None, None) => {
-            return Err(Failure::Usage(format!(
-                "--joint {joint}: no cycle of this joint comes with the program; give one with --history"
-            )));
+            let radius = positive("--joint-radius", arguments.joint_radius.unwrap_or(0.024), "m")?;
+            Cycle::stylised(load, radius, steps)
         }
     };
-    let cycle = cycle.map_err(|error| Failure::Usage(error.to_string()))?;
 
     let folder = OutputFolder::open(&arguments.output)?;
     let bar = progress(steps * (1 + arguments.cycles as usize));
