@@ -5,7 +5,7 @@
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
 
-use cartilage_contact::equations::system::{Residual, System};
+use cartilage_contact::equations::system::{State, System};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
 use cartilage_contact::fmi::description::fmi2;
 use cartilage_contact::fmi::fmi2::*;
@@ -27,7 +27,7 @@ fn element(criterion: &mut Criterion) {
     let system = System::new(&parameters(), true, 0.0);
     let inputs = Inputs::default();
     let layer = &system.layers[0];
-    let at = system.local(0, 100, &system.rest(inputs.penetration_depth), inputs.penetration_depth);
+    let at = system.local(0, 100, &system.rest(inputs).unknowns, inputs.penetration_depth);
     let rate = VolumeRate::default();
     criterion.bench_function("element residual", |bencher| {
         bencher.iter(|| {
@@ -48,20 +48,19 @@ fn element(criterion: &mut Criterion) {
 fn system(criterion: &mut Criterion) {
     let inputs = Inputs::default();
     let mut system = System::new(&parameters(), true, 0.0);
-    let unknowns = system.rest(inputs.penetration_depth);
-    let mut active = vec![false; system.stations.len()];
-    let mut residual = Residual::default();
+    let mut state = State { inputs, ..system.rest(inputs) };
+    let mut residual = Vec::new();
     criterion.bench_function("residual", |bencher| {
-        bencher.iter(|| system.residual_at(black_box(&unknowns), &mut active, &inputs, None, &mut residual));
+        bencher.iter(|| system.residual_at(black_box(&mut state), &mut residual));
     });
     for threads in [1, 2] {
         system.set_threads(threads);
         criterion.bench_function(&format!("tangent and factorisation, {threads} threads"), |bencher| {
-            bencher.iter(|| system.factorise_at(black_box(&unknowns), &active, &inputs, None));
+            bencher.iter(|| system.factorise_at(black_box(&state)));
         });
     }
     for columns in [1, 3] {
-        let right_hand_sides = residual.values.repeat(columns);
+        let right_hand_sides = residual.repeat(columns);
         criterion.bench_function(&format!("solution, {columns} right-hand sides"), |bencher| {
             bencher.iter_batched_ref(
                 || right_hand_sides.clone(),

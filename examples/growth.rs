@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use cartilage_contact::equations::system::{Residual, System};
+use cartilage_contact::equations::system::{State, System};
 use cartilage_contact::parameters::{Inputs, Mesh, Parameters};
 use clap::Parser;
 
@@ -44,15 +44,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let make = start.elapsed().as_secs_f64();
         system.set_threads(threads);
         let inputs = Inputs::default();
-        let unknowns = system.rest(inputs.penetration_depth);
-        let mut active = vec![false; system.stations.len()];
-        let mut residual = Residual::default();
-        let of_residual =
-            least(seconds, || system.residual_at(&unknowns, &mut active, &inputs, None, &mut residual).map(|_| ()))?;
-        let of_tangent = least(seconds, || system.factorise_at(&unknowns, &active, &inputs, None))?;
-        let mut solution = residual.values.clone();
+        let mut state = State { inputs, ..system.rest(inputs) };
+        let mut residual = Vec::new();
+        let of_residual = least(seconds, || system.residual_at(&mut state, &mut residual).map(|_| ()))?;
+        let of_tangent = least(seconds, || system.factorise_at(&state))?;
+        let mut solution = residual.clone();
         let of_solution = least(seconds, || {
-            solution.clone_from(&residual.values);
+            solution.clone_from(&residual);
             system.solve(&mut solution)
         })?;
         println!(

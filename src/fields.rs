@@ -2,14 +2,14 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::equations::system::{Layer, Rates, Residual, System, surface_speeds};
+use crate::equations::system::{Change, Layer, Solved, surface_speeds};
 use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue};
 use crate::fem::element::{
     NODES, POINTS, SIMPSON, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
 };
 use crate::laws::film::reynolds_flux;
 use crate::laws::kinematics::Strain;
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::Inputs;
 use crate::solver::linear::FIXED;
 
 /// Everything there is to draw of one state, in SI units.
@@ -102,24 +102,7 @@ impl BodyFields {
     }
 }
 
-/// A state of a [`System`].
-#[derive(Debug, Clone, Copy)]
-pub struct Solution<'a> {
-    /// The equations.
-    pub system: &'a System,
-    /// The case.
-    pub parameters: &'a Parameters,
-    /// The inputs.
-    pub inputs: &'a Inputs,
-    /// The unknowns.
-    pub unknowns: &'a [f64],
-    /// Stations in contact.
-    pub active: &'a [bool],
-    /// History terms of the time integration.
-    pub rates: Option<&'a Rates>,
-}
-
-impl Solution<'_> {
+impl Solved<'_> {
     /// The fields.
     ///
     /// # Errors
@@ -132,11 +115,11 @@ impl Solution<'_> {
             // A rigid one has no fields.
             _ => BodyFields::default(),
         };
-        Ok(Fields { inputs: *self.inputs, interface: self.interface(&upper)?, bodies: [upper, lower] })
+        Ok(Fields { inputs: self.state.inputs, interface: self.interface(&upper)?, bodies: [upper, lower] })
     }
 
     fn local(&self, body: usize, element: usize) -> Local {
-        self.system.local(body, element, self.unknowns, self.inputs.penetration_depth)
+        self.system.local(body, element, &self.state.unknowns, self.state.inputs.penetration_depth)
     }
 
     fn body(&self, body: usize) -> BodyFields {
@@ -191,18 +174,14 @@ impl Solution<'_> {
     fn interface(&self, upper: &BodyFields) -> Result<InterfaceFields, Inverted> {
         let system = self.system;
         let stations = system.stations.len();
-        let film_thickness: Vec<f64> = system.layout.gap.iter().map(|n| self.unknowns[*n as usize].max(0.0)).collect();
+        let film_thickness: Vec<f64> =
+            system.layout.gap.iter().map(|n| self.state.unknowns[*n as usize].max(0.0)).collect();
         let fluid_pressure: Vec<f64> = upper.fluid_pressure.iter().step_by(upper.levels()).copied().collect();
-        let value = |number: &u32| if *number == FIXED { 0.0 } else { self.unknowns[*number as usize] };
+        let value = |number: &u32| if *number == FIXED { 0.0 } else { self.state.unknowns[*number as usize] };
         let void_thickness: Vec<f64> = system.layout.void.iter().map(value).collect();
 
-        let mut residual = Residual::default();
-        system.residual_at(self.unknowns, &mut self.active.to_vec(), self.inputs, self.rates, &mut residual)?;
-        let multiplier = |i: usize| if self.active[i] { residual.contact_forces[i] / system.weights[i] } else { 0.0 };
-        let gap = |i: usize| self.unknowns[system.layout.gap[i] as usize];
-        let law = system.contact_law();
-        let pressure = |i| law.pressure(gap(i)).0 + multiplier(i);
-        let contact_pressure = (0..stations).map(pressure).collect();
+        let none = Change::none(system.unknowns(), stations);
+        let contact_pressure = system.contact_pressure(self.state, &none).iter().map(|pressure| pressure.re).collect();
 
         let (upper_outflow, weight) = self.outflow(0)?;
         let lower_outflow = match system.layers.len() {
@@ -235,9 +214,9 @@ impl Solution<'_> {
         let middles = (1..film.len()).step_by(2);
         let thinnest = middles.min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(1);
         let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (x[thinnest + 1] - x[thinnest - 1]);
-        let speed = self.inputs.sliding_speed;
-        let (fluid, offset) = (&self.system.film().fluid, self.parameters.shear_film_offset);
-        let flux = reynolds_flux(fluid, film[thinnest], slope, surface_speeds(self.inputs), offset);
+        let speed = self.state.inputs.sliding_speed;
+        let (fluid, offset) = (&self.system.film().fluid, self.system.parameters().shear_film_offset);
+        let flux = reynolds_flux(fluid, film[thinnest], slope, surface_speeds(&self.state.inputs), offset);
         let known = flux.value - 0.5 * void[thinnest] * speed;
         let mut sum = 0.0;
         let added: Vec<f64> = outflow
@@ -264,9 +243,9 @@ impl Solution<'_> {
         for column in 0..layer.mesh.columns {
             let element = column * layer.mesh.rows;
             let mut residual = [0.0; LOCAL];
-            let rate = system.volume_rate(self.rates, body, element);
+            let rate = system.volume_rate(self.state.rates.as_ref(), body, element);
             let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
-            let speeds = system.relative_speeds(body, column, self.inputs, self.rates);
+            let speeds = system.relative_speeds(body, column, &self.state.inputs, self.state.rates.as_ref());
             layer.tissue.element(&layer.mesh, element, &self.local(body, element), speeds, &rate, terms)?;
             let length = system.stations[2 * column + 2] - system.stations[2 * column];
             let shares = if order == 2 { SIMPSON } else { [0.5, 0.0, 0.5] };

@@ -8,7 +8,7 @@ mod results;
 
 use num_dual::Dual64;
 
-use crate::equations::system::{At, Change, System};
+use crate::equations::system::{Change, Solved};
 use crate::equations::tissue::Tissue;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, POINTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
@@ -109,17 +109,6 @@ const MIXED_FILM: f64 = 3.0;
 /// Below this load \[N/m\], the least one that has a steady state, ratios fade to nothing: bodies that are not pressed together have none.
 const SMALLEST_LOAD: f64 = 1e-6;
 
-/// A converged state of a [`System`].
-#[derive(Debug, Clone, Copy)]
-pub struct Solved<'a> {
-    /// The equations.
-    pub system: &'a System,
-    /// The case.
-    pub parameters: &'a Parameters,
-    /// The solution.
-    pub at: At<'a>,
-}
-
 /// The fixed stations of the profiles for an interface of this half width \[m\].
 pub fn profile_stations(half_width: f64) -> Vec<f64> {
     let last = (STATIONS - 1) as f64;
@@ -145,9 +134,9 @@ impl Solved<'_> {
 
     /// Results with their derivatives.
     fn along(&self, change: &Change) -> Outputs<Dual64> {
-        let p = self.parameters;
+        let p = self.system.parameters();
         let system = self.system;
-        let inputs = self.at.inputs;
+        let inputs = &self.state.inputs;
         let depth = Dual64::new(inputs.penetration_depth, change.inputs.penetration_depth);
         let speed = Dual64::new(inputs.sliding_speed, change.inputs.sliding_speed);
         let ratio = Dual64::new(inputs.slide_to_roll_ratio, change.inputs.slide_to_roll_ratio);
@@ -156,7 +145,7 @@ impl Solved<'_> {
 
         let dual = |number: u32| match number {
             FIXED => Dual64::from(0.0),
-            _ => Dual64::new(self.at.unknowns[number as usize], change.unknowns[number as usize]),
+            _ => Dual64::new(self.state.unknowns[number as usize], change.unknowns[number as usize]),
         };
         let gap: Vec<_> = system.layout.gap.iter().map(|number| dual(*number)).collect();
         let levels = system.layers[0].mesh.levels();
@@ -165,7 +154,7 @@ impl Solved<'_> {
         let void = system.layout.void.iter().map(|number| dual(*number));
         let mut void_share: Vec<_> = void
             .zip(&gap)
-            .zip(self.at.active)
+            .zip(&self.state.active)
             .map(|((void, gap), active)| match void.re > 0.0 && !active {
                 true if void.re < gap.re => void / *gap,
                 true => Dual64::from(1.0),
@@ -179,12 +168,12 @@ impl Solved<'_> {
                 }
             }
         }
-        let contact_pressure = system.contact_pressure(self.at, change);
-        let loads = system.loads(self.at, change);
+        let contact_pressure = system.contact_pressure(self.state, change);
+        let loads = system.loads(self.state, change);
 
         // Friction: equations 13-15.
         let rough = system.roughness();
-        let height = system.mean_height(self.at, change);
+        let height = system.mean_height(self.state, change);
         let zero = Dual64::from(0.0);
         let fall = |first: usize, s: f64| -> f64 {
             quadratic(s).iter().enumerate().map(|(a, shape)| system.tangent_fall(first + a) * shape).sum()
@@ -209,9 +198,9 @@ impl Solved<'_> {
                 poiseuille += system.film().pressure_flow_dissipation(gap, gradient, difference) * (half * w);
             }
         }
-        let resultant = system.resultant(self.at, change);
+        let resultant = system.resultant(self.state, change);
         let mut beyond = zero;
-        let ends = system.film_end_shear(self.at, change).into_iter().zip([0, gap.len() - 1]);
+        let ends = system.film_end_shear(self.state, change).into_iter().zip([0, gap.len() - 1]);
         for ([with_pressure, with_walls], end) in ends {
             rolling += with_pressure;
             sliding += with_walls;
@@ -243,13 +232,13 @@ impl Solved<'_> {
             .sum::<Dual64>();
 
         let (least, position) = extremum(&gap, &system.stations, -1.0);
-        let (least, position) = match self.at.active.iter().position(|a| *a) {
+        let (least, position) = match self.state.active.iter().position(|a| *a) {
             Some(first) => (Dual64::from(0.0), Dual64::from(system.stations[first])),
             // At rest and at first touch round-off decides the sign.
             None => (if least.re > 0.0 || rough.is_some() { least } else { Dual64::from(0.0) }, position),
         };
         // Rough surfaces count as touching where the film parameter is below 3.
-        let touching = rough.map_or(self.at.active.contains(&true), |rough| least.re < MIXED_FILM * rough.rms);
+        let touching = rough.map_or(self.state.active.contains(&true), |rough| least.re < MIXED_FILM * rough.rms);
         let mut contact_length = Dual64::from(0.0);
         for i in 0..gap.len() - 1 {
             let step = system.arc[i + 1] - system.arc[i];
@@ -261,7 +250,7 @@ impl Solved<'_> {
                     contact_pressure[inside] / (contact_pressure[inside] + opening) * step
                 }
             };
-            let touches = |i: usize| rough.map_or(self.at.active[i], |rough| gap[i].re < MIXED_FILM * rough.rms);
+            let touches = |i: usize| rough.map_or(self.state.active[i], |rough| gap[i].re < MIXED_FILM * rough.rms);
             contact_length += match (touches(i), touches(i + 1)) {
                 (true, true) => Dual64::from(step),
                 (true, false) => edge(i, i + 1),
@@ -270,12 +259,12 @@ impl Solved<'_> {
             };
         }
 
-        let cavitated = system.cavitated(&self.at);
+        let cavitated = system.cavitated(self.state);
         let cavitated = (1..gap.len() - 1).filter(|i| cavitated[*i]);
         let length_at = |i: usize| 0.5 * (system.stations[i + 1] - system.stations[i - 1]);
         let cavitated_length = cavitated.fold(0.0, |sum, i| sum + length_at(i));
 
-        let outflow = system.film_outflow(self.at, change);
+        let outflow = system.film_outflow(self.state, change);
         let outflow = outflow.iter().map(|v| Dual64::new(v[0], v[1]));
 
         // A film that may cavitate has its pressure in straight lines from node to node.
@@ -294,11 +283,15 @@ impl Solved<'_> {
             film_dissipation: (poiseuille + sliding * difference) * p.width,
             pore_flow_dissipation: tissue.pores * p.width,
             boundary_friction_dissipation: boundary * difference * p.width,
-            carried_power: (tissue.carried + system.film_end_power(self.at, change) - beyond * difference) * p.width,
+            carried_power: (tissue.carried + system.film_end_power(self.state, change) - beyond * difference) * p.width,
             stored_elastic_energy: tissue.stored * p.width,
             minimum_film_thickness: least,
             minimum_film_position: position,
-            central_film_thickness: if self.at.active[gap.len() / 2] { Dual64::from(0.0) } else { gap[gap.len() / 2] },
+            central_film_thickness: if self.state.active[gap.len() / 2] {
+                Dual64::from(0.0)
+            } else {
+                gap[gap.len() / 2]
+            },
             contact_length,
             cavitated_length: Dual64::from(cavitated_length),
             maximum_fluid_pressure: extremum(&pressure, &system.stations, 1.0).0,
@@ -360,8 +353,8 @@ impl Solved<'_> {
 
     /// Largest von Mises stress at the quadrature points.
     fn von_mises(&self, change: &Change) -> Dual64 {
-        let (system, unknowns) = (self.system, self.at.unknowns);
-        let depth = self.at.inputs.penetration_depth;
+        let (system, unknowns) = (self.system, &self.state.unknowns);
+        let depth = self.state.inputs.penetration_depth;
         let mut largest = (0.0, 0, 0, 0);
         for (body, layer) in system.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {

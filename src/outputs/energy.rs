@@ -17,8 +17,7 @@
 
 use num_dual::{Dual64, DualNum};
 
-use super::Solved;
-use crate::equations::system::Change;
+use crate::equations::system::{Change, Solved};
 use crate::equations::tissue::Tissue;
 use crate::fem::element::NODES;
 use crate::laws::kinematics::{Strain, flatten};
@@ -38,14 +37,14 @@ impl Solved<'_> {
     /// Of both bodies, at these surface speeds.
     pub(super) fn tissue_energy(&self, change: &Change, speeds: [Dual64; 2]) -> TissueEnergy {
         let system = self.system;
-        let depth = self.at.inputs.penetration_depth;
+        let depth = self.state.inputs.penetration_depth;
         let zero = Dual64::from(0.0);
         let mut sum = TissueEnergy { stored: zero, pores: zero, carried: zero };
         let copies = system.copies();
         for (body, (layer, speed)) in system.layers.iter().zip(speeds).enumerate() {
             let Tissue { biot_coefficient, fluid_compressibility, consistent, .. } = layer.tissue;
             for element in 0..layer.mesh.elements() {
-                let at = system.local(body, element, self.at.unknowns, depth);
+                let at = system.local(body, element, &self.state.unknowns, depth);
                 let local = system.local_change(body, element, &change.unknowns, change.inputs.penetration_depth);
                 for (q, point) in layer.mesh.points(element).iter().enumerate() {
                     let strain = Tissue::strain(&layer.mesh, element, q, &at);

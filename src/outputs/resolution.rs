@@ -1,8 +1,8 @@
 //! Whether mesh and sector are good enough for a solution, by signs that cost nothing.
 
-use super::{Outputs, Solved};
+use super::Outputs;
 use crate::equations::grid;
-use crate::equations::system::{Change, surface_speeds};
+use crate::equations::system::{Change, Solved, surface_speeds};
 use crate::parameters::Formulation;
 
 /// What can be said of a solution's resolution.
@@ -35,11 +35,11 @@ impl Solved<'_> {
     /// Looks at pressures, stress and mesh of the solution.
     pub(super) fn resolution(&self, outputs: &Outputs) -> Resolution {
         let von_mises = outputs.maximum_von_mises_stress;
-        let (system, p) = (self.system, self.parameters);
+        let (system, p) = (self.system, self.system.parameters());
         let none = Change::none(system.unknowns(), system.stations.len());
         let levels = system.layers[0].mesh.levels();
-        let fluid = |i: usize| self.at.unknowns.get(system.layout.pressure[0][i * levels] as usize).copied();
-        let solid = system.contact_pressure(self.at, &none);
+        let fluid = |i: usize| self.state.unknowns.get(system.layout.pressure[0][i * levels] as usize).copied();
+        let solid = system.contact_pressure(self.state, &none);
         // Ends of elements, where pressures of both orders have a value.
         let nodes: Vec<usize> = (0..system.stations.len()).step_by(2).collect();
         let pressure: Vec<f64> = nodes.iter().map(|i| fluid(*i).unwrap_or(0.0) + solid[*i].re).collect();
@@ -76,7 +76,8 @@ impl Solved<'_> {
         }
         let consistent = p.formulation == Formulation::Consistent;
         let ends = [pressure[0], pressure[pressure.len() - 1]];
-        let touching = [nodes[0], nodes[nodes.len() - 1]].map(|i| self.at.gap(system, i) < 3.0 * p.surface_roughness);
+        let touching =
+            [nodes[0], nodes[nodes.len() - 1]].map(|i| self.state.gap(system, i) < 3.0 * p.surface_roughness);
         let pressing = |i: &usize| pressure[*i].abs() > LARGE_END * largest;
         let outermost = (0..x.len()).filter(pressing).map(|i| x[i].abs()).fold(0.0, f64::max);
         if touching.contains(&true) || ends.iter().any(|end| end.abs() > LARGE_END * largest) {
@@ -84,7 +85,7 @@ impl Solved<'_> {
         } else if system.half_width() - outermost < LEAST_MARGIN * system.thickness() {
             warnings.push("the sector ends within 2.5 thicknesses of where the pressure ends: depth and load may be off by some per cent, at one thickness by a fifth; a larger sector_half_angle, or 0 for a sector that goes with the contact (1.05 rad at most: wider contacts are beyond this model)".into());
         }
-        for (layer, speed) in system.layers.iter().zip(surface_speeds(self.at.inputs)).filter(|_| !consistent) {
+        for (layer, speed) in system.layers.iter().zip(surface_speeds(&self.state.inputs)).filter(|_| !consistent) {
             let body = if layer.side > 0.0 { &p.upper } else { &p.lower };
             let consolidation = p.hydraulic_permeability(body) * body.surface_aggregate_modulus();
             let passage = 2.0 * system.half_width() / speed.abs();
@@ -102,9 +103,9 @@ impl Solved<'_> {
                 "the stress of the tissue, {von_mises:.2e} Pa, is far above every pressure: refine the mesh, or widen the sector"
             ));
         }
-        let inputs = self.at.inputs;
+        let inputs = &self.state.inputs;
         if consistent
-            && self.at.rates.is_none()
+            && self.state.rates.is_none()
             && inputs.penetration_depth > 1e-6
             && pressure.iter().sum::<f64>() < 0.0
         {
@@ -112,7 +113,7 @@ impl Solved<'_> {
         }
         let pressed: Vec<f64> = x.iter().zip(&pressure).filter(|(_, p)| **p > 0.1 * largest).map(|(x, _)| *x).collect();
         let length = pressed.last().zip(pressed.first()).map_or(0.0, |(b, a)| b - a);
-        let film = (0..system.stations.len()).map(|i| self.at.gap(system, i)).fold(f64::INFINITY, f64::min);
+        let film = (0..system.stations.len()).map(|i| self.state.gap(system, i)).fold(f64::INFINITY, f64::min);
         for (layer, speed) in system.layers.iter().zip(surface_speeds(inputs)).filter(|(_, speed)| *speed != 0.0) {
             let row = (layer.mesh.nodes[2][1] - layer.mesh.nodes[0][1])
                 .hypot(layer.mesh.nodes[2][0] - layer.mesh.nodes[0][0]);
@@ -153,10 +154,10 @@ impl Solved<'_> {
 /// is large alone where a film is flat at rest or bends evenly. Where smooth surfaces touch the least thickness is none.
 fn film_error(solved: &Solved<'_>) -> f64 {
     let system = solved.system;
-    if solved.at.active.contains(&true) {
+    if solved.state.active.contains(&true) {
         return 0.0;
     }
-    let film: Vec<f64> = (0..system.stations.len()).map(|i| solved.at.gap(system, i)).collect();
+    let film: Vec<f64> = (0..system.stations.len()).map(|i| solved.state.gap(system, i)).collect();
     let least = film.iter().copied().fold(f64::INFINITY, f64::min).max(THINNEST_FILM);
     let mut error: [f64; 2] = [0.0; 2];
     for i in (2..film.len() - 2).step_by(2).filter(|i| film[*i] < 1.3 * least) {
@@ -176,10 +177,10 @@ fn film_error(solved: &Solved<'_>) -> f64 {
 /// Whether the film is fine enough for its rolling friction, within some hundredths of all friction: the upstream weight moves the thickness by up to half of
 /// what it changes over a column, and the shear is half of that times the drop of pressure.
 fn grid_fits_film(solved: &Solved<'_>, pressure: &[f64], outputs: &Outputs) -> bool {
-    let gap = |i: usize| solved.at.gap(solved.system, 2 * i);
+    let gap = |i: usize| solved.state.gap(solved.system, 2 * i);
     let missed = (1..pressure.len())
-        .filter(|i| gap(*i).max(gap(*i - 1)) < 10.0 * solved.parameters.surface_roughness)
+        .filter(|i| gap(*i).max(gap(*i - 1)) < 10.0 * solved.system.parameters().surface_roughness)
         .map(|i| 0.25 * ((gap(i) - gap(i - 1)) * (pressure[i] - pressure[i - 1])).abs())
         .sum::<f64>();
-    missed * solved.parameters.width <= 0.04 * outputs.upper_friction_force.abs()
+    missed * solved.system.parameters().width <= 0.04 * outputs.upper_friction_force.abs()
 }

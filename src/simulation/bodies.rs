@@ -1,7 +1,7 @@
 //! The equations of one body and its mirror image or of two, and solutions of them.
 
 use crate::equations::grid;
-pub(super) use crate::equations::system::{LinearizationPoint, Point, Task};
+pub(super) use crate::equations::system::{State, Task};
 use crate::equations::system::{System, boundary_friction};
 use crate::error::Error;
 use crate::memory;
@@ -49,15 +49,15 @@ impl Bodies {
     }
 
     /// Whether boundary friction pulls the two bodies apart sideways.
-    pub fn drags(&self, point: &Point) -> bool {
-        (point.touches() || self.parameters.surface_roughness > 0.0)
-            && boundary_friction(&self.parameters, &point.inputs) != 0.0
+    pub fn drags(&self, state: &State) -> bool {
+        (state.touches() || self.parameters.surface_roughness > 0.0)
+            && boundary_friction(&self.parameters, &state.inputs) != 0.0
     }
 
-    /// The equations that a point is a solution of, on its mesh.
-    pub fn system_of(&mut self, point: &Point) -> &mut System {
-        let system = self.system(point.mirrored);
-        system.fit(point.contact_half_width, point.thickening);
+    /// The equations of a state, on its mesh.
+    pub fn system_of(&mut self, state: &State) -> &mut System {
+        let system = self.system(state.mirrored);
+        system.fit(state.contact_half_width, state.thickening);
         system
     }
 
@@ -82,57 +82,51 @@ impl Bodies {
         grid::contact_half_width(&self.parameters, inputs, control)
     }
 
-    /// The equations that a point was solved with, if they were made already.
+    /// The equations of one body or of two, if they were made already.
     pub fn made(&self, mirrored: bool) -> Option<&System> {
         if mirrored { self.mirrored.as_ref() } else { self.full.as_ref() }
     }
 
     /// Both bodies apart and at rest: the one state that is known without solving.
-    pub fn rest(&mut self, inputs: &Inputs) -> Point {
+    pub fn rest(&mut self, inputs: &Inputs) -> State {
         const CLEARANCE: f64 = 10e-6;
-        let inputs =
-            Inputs { penetration_depth: inputs.penetration_depth.min(-CLEARANCE), sliding_speed: 0.0, ..*inputs };
-        let mirrored = self.may_mirror(&inputs);
+        let inputs = Inputs { penetration_depth: inputs.penetration_depth.min(-CLEARANCE), ..*inputs };
         let contact_half_width = self.contact_half_width(&inputs, Control::Depth);
-        let system = self.system(mirrored);
+        let system = self.system(self.may_mirror(&inputs));
         system.fit(contact_half_width, 1.0);
-        let stations = system.stations.len();
-        Point {
-            inputs,
-            mirrored,
-            contact_half_width,
-            thickening: 1.0,
-            unknowns: system.rest(inputs.penetration_depth),
-            active: vec![false; stations],
-            contact_forces: vec![0.0; stations],
-        }
+        system.rest(inputs)
     }
 
     /// Newton's method from a guess; and the iterations spent.
-    pub fn settle(&mut self, guess: Point, task: &Task<'_>) -> (Result<Point, String>, usize) {
+    pub fn settle(&mut self, guess: State, task: &Task<'_>) -> (Result<State, String>, usize) {
         self.system(guess.mirrored).settle(guess, task)
     }
 
     /// Factorises the tangent at a linearization point, unless that was the last one.
-    pub fn form(&mut self, linearization: &LinearizationPoint) -> Result<(), Singular> {
-        self.system(linearization.point.mirrored).form(linearization)
+    pub fn form(&mut self, linearization: &State) -> Result<(), Singular> {
+        self.system(linearization.mirrored).form(linearization)
     }
 
     /// Where the last tangent of these equations was formed.
-    pub fn linearization(&self, mirrored: bool) -> Option<&LinearizationPoint> {
+    pub fn linearization(&self, mirrored: bool) -> Option<&State> {
         self.made(mirrored)?.linearization()
     }
 
-    /// The same solution in the unknowns of one body or of two.
-    pub fn converted(&mut self, point: Point, mirrored: bool) -> Point {
-        if point.mirrored == mirrored {
-            return point;
+    /// The same state in the unknowns of one body (`mirrored`) or of two.
+    pub fn converted(&mut self, mut state: State, mirrored: bool) -> State {
+        if state.mirrored == mirrored {
+            return state;
         }
-        Point { unknowns: self.converted_values(&point.unknowns, mirrored), mirrored, ..point }
+        if let Some(rates) = &mut state.rates {
+            match mirrored {
+                true => rates.history.volume.truncate(1),
+                false => rates.history.volume.extend_from_within(..),
+            }
+        }
+        State { unknowns: self.converted_values(&state.unknowns, mirrored), mirrored, ..state }
     }
 
-    /// Values of the unknowns, or their changes, in those of one body (`mirrored`) from those of two, or the other way.
-    pub fn converted_values(&mut self, values: &[f64], mirrored: bool) -> Vec<f64> {
+    fn converted_values(&mut self, values: &[f64], mirrored: bool) -> Vec<f64> {
         let mut result = vec![0.0; self.system(mirrored).unknowns()];
         let (Some(one), Some(two)) = (&self.mirrored, &self.full) else { return result };
         let mut copy = |in_one: u32, in_two: u32, sign: f64| {

@@ -10,17 +10,17 @@ mod transient;
 
 use serde::{Deserialize, Serialize};
 
-use self::bodies::{Bodies, Point};
+use self::bodies::{Bodies, State};
 pub use self::drive::Drive;
 use self::predictor::ReusableTangent;
 use self::steady::Steady;
 use self::transient::Motion;
 use crate::equations::grid::Grid;
-use crate::equations::system::{Rates, System};
+use crate::equations::system::{Solved, System};
 use crate::error::Error;
-use crate::fields::{Fields, Solution};
+use crate::fields::Fields;
 use crate::memory;
-use crate::outputs::{Outputs, STATIONS, Solved, profile_stations};
+use crate::outputs::{Outputs, STATIONS, profile_stations};
 use crate::parameters::{Control, Fidelity, Inputs, Parameters, TimeIntegration};
 use crate::solver::deadline::Deadline;
 
@@ -47,13 +47,14 @@ impl Input {
 
 /// The whole state of a [`Simulation`]: going on from it gives the same bits as going on from where it was taken.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot(Option<State>);
+pub struct Snapshot(Option<Step>);
 
+/// The last step: where it ended, and what the next one starts from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct State {
-    point: Point,
+struct Step {
+    state: State,
     iterations: i32,
-    /// What the inputs did in the last step, and how long that was \[s\].
+    /// What the inputs did, and how long that was \[s\].
     drive: Drive,
     duration: f64,
     path: Path,
@@ -63,18 +64,8 @@ struct State {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Path {
     /// The reusable tangent, and the state before on another mesh.
-    Steady(Option<Box<ReusableTangent>>, Option<Box<Point>>),
+    Steady(Option<Box<ReusableTangent>>, Option<Box<State>>),
     Transient(Box<Motion>),
-}
-
-impl Path {
-    /// Rates of change of what is stored, as a difference formula; none of a steady state.
-    fn rates(&self) -> Option<Rates> {
-        match self {
-            Self::Steady(..) => None,
-            Self::Transient(motion) => Some(motion.rates()),
-        }
-    }
 }
 
 /// What contact the mesh is made for at the end of a step in time, from that of the inputs: as the last two steps make one expect, so that
@@ -97,7 +88,7 @@ fn contact_for(wanted: f64, expected: Option<f64>) -> f64 {
 #[derive(Debug)]
 pub struct Simulation {
     bodies: Bodies,
-    state: Option<State>,
+    last: Option<Step>,
     inputs: Inputs,
     outputs: Outputs,
     /// What mesh and sector do not resolve.
@@ -125,7 +116,7 @@ impl Simulation {
         let position = profile_stations(bodies.system(bodies.equal()).half_width());
         Ok(Self {
             bodies,
-            state: None,
+            last: None,
             inputs: Inputs::default(),
             outputs: nothing(),
             warnings: Vec::new(),
@@ -149,21 +140,21 @@ impl Simulation {
     /// of rough ones.
     pub fn with_parameters(&mut self, parameters: &Parameters) -> Result<Self, Error> {
         let mut next = Self::new(parameters)?;
-        let Some(State { point, iterations, drive, duration, .. }) = self.state.clone() else { return Ok(next) };
-        let mirrored = point.mirrored && next.bodies.equal();
-        let mut point = self.bodies.converted(point, mirrored);
-        let grid = Grid::new(parameters, point.contact_half_width);
+        let Some(Step { state, iterations, drive, duration, .. }) = self.last.clone() else { return Ok(next) };
+        let mirrored = state.mirrored && next.bodies.equal();
+        let mut state = State { rates: None, ..self.bodies.converted(state, mirrored) };
+        let grid = Grid::new(parameters, state.contact_half_width);
         let count = next.bodies.system(mirrored).unknowns();
         let rough = |parameters: &Parameters| parameters.surface_roughness > 0.0;
-        if count != point.unknowns.len() || grid.stations.len() != point.active.len() {
+        if count != state.unknowns.len() || grid.stations.len() != state.active.len() {
             return Err(Error::State("another mesh needs a new run".into()));
         }
         if rough(parameters) != rough(self.parameters()) {
             return Err(Error::State("rough surfaces stay rough and smooth ones smooth during a run".into()));
         }
-        point.unknowns = self.bodies.system_of(&point).interpolated(&point.unknowns, &grid);
-        next.bodies.system_of(&point);
-        next.state = Some(State { point, iterations, drive, duration, path: Path::Steady(None, None) });
+        state.unknowns = self.bodies.system_of(&state).interpolated(&state.unknowns, &grid);
+        next.bodies.system_of(&state);
+        next.last = Some(Step { state, iterations, drive, duration, path: Path::Steady(None, None) });
         (next.inputs, next.outputs) = (self.inputs, self.outputs.clone());
         (next.warnings, next.position) = (self.warnings.clone(), self.position.clone());
         Ok(next)
@@ -204,26 +195,26 @@ impl Simulation {
         for inputs in [drive.inputs, drive.at(duration)] {
             check(&inputs)?;
         }
-        if self.state.is_none() {
+        if self.last.is_none() {
             self.solve_steady(drive.inputs)?;
         }
-        let Some(state) = &self.state else { return Ok(()) };
+        let Some(last) = &self.last else { return Ok(()) };
         self.bodies.reserve()?;
         self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
-        let motion = match &state.path {
+        let motion = match &last.path {
             Path::Steady(..) => None,
             Path::Transient(motion) => Some(&**motion),
         };
         // The mesh goes along with the contact.
         let control = self.bodies.parameters.control;
-        let [before, last, wanted] = [state.drive.at(0.0), state.drive.at(state.duration), drive.at(duration)]
+        let [before, now, wanted] = [last.drive.at(0.0), last.drive.at(last.duration), drive.at(duration)]
             .map(|inputs| self.bodies.contact_half_width(&inputs, control));
-        let expected = motion.map(|_| last * (last / before).powf(duration / state.duration));
+        let expected = motion.map(|_| now * (now / before).powf(duration / last.duration));
         let contact = contact_for(wanted, expected);
-        let (point, motion, iterations) =
-            transient::advance(&mut self.bodies, &state.point, motion, contact, &drive, duration)?;
-        self.accept(State {
-            point,
+        let (state, motion, iterations) =
+            transient::advance(&mut self.bodies, &last.state, motion, contact, &drive, duration)?;
+        self.accept(Step {
+            state,
             iterations: iterations as i32,
             drive,
             duration,
@@ -236,22 +227,18 @@ impl Simulation {
         let inputs = drive.at(duration);
         check(&inputs)?;
         self.bodies.reserve()?;
-        let from = self.state.as_ref().map(|state| Steady {
-            point: state.point.clone(),
-            reusable: match &state.path {
-                Path::Steady(reusable, _) => reusable.clone(),
-                Path::Transient(_) => None,
-            },
-            before: match &state.path {
-                Path::Steady(_, before) => before.clone(),
-                Path::Transient(_) => None,
-            },
+        let from = self.last.as_ref().map(|last| {
+            let (reusable, before) = match &last.path {
+                Path::Steady(reusable, before) => (reusable.clone(), before.clone()),
+                Path::Transient(_) => (None, None),
+            };
+            Steady { state: State { rates: None, ..last.state.clone() }, reusable, before }
         });
         let mut iterations = 0;
         self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
-        let Steady { point, reusable, before } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
-        self.accept(State {
-            point,
+        let Steady { state, reusable, before } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
+        self.accept(Step {
+            state,
             iterations: iterations as i32,
             drive,
             duration,
@@ -260,17 +247,14 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes a converged state the present one.
-    fn accept(&mut self, state: State) {
-        let parameters = self.bodies.parameters;
-        let rates = state.path.rates();
-        let system = self.bodies.system_of(&state.point);
+    /// Makes the end of a step the present state.
+    fn accept(&mut self, step: Step) {
+        let system = self.bodies.system_of(&step.state);
         self.position = profile_stations(system.half_width());
-        let solved = Solved { system, parameters: &parameters, at: state.point.at(rates.as_ref()) };
-        (self.outputs, self.warnings) = solved.outputs();
-        self.outputs.newton_iterations = state.iterations;
-        self.inputs = state.drive.at(state.duration);
-        self.state = Some(state);
+        (self.outputs, self.warnings) = Solved { system, state: &step.state }.outputs();
+        self.outputs.newton_iterations = step.iterations;
+        self.inputs = step.drive.at(step.duration);
+        self.last = Some(step);
         (self.derivatives, self.by_ratio, self.rates) = (None, None, None);
     }
 
@@ -285,12 +269,12 @@ impl Simulation {
     }
 
     fn differentiated(&mut self) -> Result<&[Outputs], Error> {
-        let Some(state) = &self.state else { return Err(unsolved()) };
+        let Some(last) = &self.last else { return Err(unsolved()) };
         match &mut self.derivatives {
             Some(derivatives) => Ok(derivatives),
             slot => {
                 self.bodies.reserve()?;
-                Ok(slot.insert(derivatives::by_inputs(&mut self.bodies, state).map_err(Error::State)?))
+                Ok(slot.insert(derivatives::by_inputs(&mut self.bodies, last).map_err(Error::State)?))
             }
         }
     }
@@ -302,12 +286,10 @@ impl Simulation {
     /// # Errors
     /// [`Error::State`] where nothing was solved yet.
     pub fn derivatives(&mut self, input: Input) -> Result<&Outputs, Error> {
-        if let (Input::SlideToRollRatio, Some(state)) =
-            (input, self.state.as_ref().filter(|state| state.point.mirrored))
-        {
+        if let (Input::SlideToRollRatio, Some(last)) = (input, self.last.as_ref().filter(|last| last.state.mirrored)) {
             return match &mut self.by_ratio {
                 Some(outputs) => Ok(outputs),
-                slot => Ok(slot.insert(derivatives::by_ratio(&mut self.bodies, state).map_err(Error::State)?)),
+                slot => Ok(slot.insert(derivatives::by_ratio(&mut self.bodies, last).map_err(Error::State)?)),
             };
         }
         Ok(&self.differentiated()?[input as usize])
@@ -331,12 +313,12 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::derivatives`].
     pub fn rates(&mut self) -> Result<&Outputs, Error> {
-        let Some(state) = &self.state else { return Err(unsolved()) };
+        let Some(last) = &self.last else { return Err(unsolved()) };
         match &mut self.rates {
             Some(rates) => Ok(rates),
             slot => {
                 self.bodies.reserve()?;
-                Ok(slot.insert(derivatives::by_time(&mut self.bodies, state).map_err(Error::State)?))
+                Ok(slot.insert(derivatives::by_time(&mut self.bodies, last).map_err(Error::State)?))
             }
         }
     }
@@ -348,25 +330,20 @@ impl Simulation {
 
     /// Fields of the last solution over both bodies and along the interface; `None` before anything was solved.
     pub fn fields(&self) -> Option<Fields> {
-        let State { point, path, .. } = self.state.as_ref()?;
-        let rates = path.rates();
-        let system = self.bodies.made(point.mirrored)?;
-        let Point { inputs, unknowns, active, .. } = point;
-        let parameters = self.parameters();
-        let solution = Solution { system, parameters, inputs, unknowns, active, rates: rates.as_ref() };
+        let state = &self.last.as_ref()?.state;
         // A state was accepted only with all elements the right way out.
-        solution.fields().ok()
+        Solved { system: self.bodies.made(state.mirrored)?, state }.fields().ok()
     }
 
     /// Number of unknowns of the present state's equations, or of those that would be solved first.
     pub fn unknowns(&self) -> usize {
-        let mirrored = self.state.as_ref().map_or(self.bodies.equal(), |state| state.point.mirrored);
+        let mirrored = self.last.as_ref().map_or(self.bodies.equal(), |last| last.state.mirrored);
         self.bodies.made(mirrored).map_or(0, System::unknowns)
     }
 
     /// A copy of the state.
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot(self.state.clone())
+        Snapshot(self.last.clone())
     }
 
     /// Returns to a state taken from this simulation or from one with equal parameters.
@@ -374,48 +351,35 @@ impl Simulation {
     /// # Errors
     /// [`Error::State`] where the snapshot does not fit; the state is then unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
-        let Some(state) = &snapshot.0 else {
-            self.state = None;
+        let Some(step) = &snapshot.0 else {
+            self.last = None;
             (self.inputs, self.outputs, self.warnings) = (Inputs::default(), nothing(), Vec::new());
             (self.derivatives, self.by_ratio, self.rates) = (None, None, None);
             return Ok(());
         };
-        if state.point.mirrored && !self.bodies.equal() {
+        if step.state.mirrored && !self.bodies.equal() {
             return Err(Error::State("it is of two equal bodies, and these are not".into()));
         }
-        let (expected, stations) = {
-            let system = self.bodies.system(state.point.mirrored);
-            (system.unknowns(), system.stations.len())
-        };
-        if !state.fits(expected, stations) {
-            let given = state.point.unknowns.len();
+        let system = self.bodies.system(step.state.mirrored);
+        if !step.fits(system) {
+            let (given, expected) = (step.state.unknowns.len(), system.unknowns());
             return Err(Error::State(format!("it has {given} unknowns, this mesh {expected}")));
         }
-        self.accept(state.clone());
+        self.accept(step.clone());
         Ok(())
     }
 }
 
-impl State {
-    fn fits(&self, unknowns: usize, stations: usize) -> bool {
-        let fits = |point: &Point| {
-            point.mirrored == self.point.mirrored
-                && point.unknowns.len() == unknowns
-                && point.active.len() == stations
-                && point.contact_forces.len() == stations
-        };
-        let reusable = match &self.path {
-            Path::Steady(reusable, _) => reusable.as_ref().map(|reusable| &reusable.linearization),
-            Path::Transient(motion) => motion.reusable.as_ref(),
-        };
-        fits(&self.point)
-            && reusable.is_none_or(|linearization| fits(&linearization.point))
+impl Step {
+    /// Whether it is of these equations.
+    fn fits(&self, system: &System) -> bool {
+        system.admits(&self.state)
             && match &self.path {
                 Path::Steady(reusable, before) => {
-                    reusable.as_ref().is_none_or(|reusable| reusable.fits(unknowns))
-                        && before.as_ref().is_none_or(|point| fits(point))
+                    reusable.as_ref().is_none_or(|reusable| reusable.fits(system))
+                        && before.as_ref().is_none_or(|state| system.admits(state))
                 }
-                Path::Transient(motion) => motion.fits(unknowns, (stations - 1) / 2) && fits(&motion.last.start),
+                Path::Transient(motion) => motion.fits(system),
             }
     }
 }

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, LinearizationPoint, Point, PredictorEstimate};
-use super::steady::{Steady, load};
+use super::bodies::{Bodies, PredictorEstimate, State};
+use super::steady::Steady;
 use crate::equations::load::LARGEST_APPROACH;
+use crate::equations::system::System;
 use crate::parameters::{Control, Inputs};
 use crate::solver::linear::Singular;
 
@@ -26,11 +27,11 @@ pub(super) fn changes(from: &Target, to: &Target, control: Control) -> Changes {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
     pub inputs: Inputs,
-    /// See [`Point::thickening`].
+    /// See [`State::thickening`].
     pub thickening: f64,
 }
 
-impl Point {
+impl State {
     pub(super) fn target(&self) -> Target {
         Target { inputs: self.inputs, thickening: self.thickening }
     }
@@ -39,17 +40,16 @@ impl Point {
 /// Where a tangent was formed, and what it missed in the last step that was predicted with it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ReusableTangent {
-    pub linearization: LinearizationPoint,
+    pub linearization: State,
     pub predictor_error: Option<PredictorError>,
 }
 
 impl ReusableTangent {
-    /// Whether what was missed is of equations with so many unknowns.
-    pub fn fits(&self, unknowns: usize) -> bool {
-        let fits = |values: &[f64]| values.len() == unknowns + 1;
-        self.predictor_error
-            .as_ref()
-            .is_none_or(|predictor_error| fits(&predictor_error.now) && fits(&predictor_error.next))
+    /// Whether it is of these equations.
+    pub fn fits(&self, system: &System) -> bool {
+        let fits = |values: &[f64]| values.len() == system.unknowns() + 1;
+        let errors = self.predictor_error.as_ref();
+        system.admits(&self.linearization) && errors.is_none_or(|error| fits(&error.now) && fits(&error.next))
     }
 }
 
@@ -65,8 +65,8 @@ pub(super) struct PredictorError {
 
 impl PredictorError {
     /// What was missed by these changes, after what was missed before.
-    pub fn new(before: Option<&Self>, changes: Changes, solved: &Point, predicted: &Point) -> Self {
-        let of = |point: &Point| [&point.unknowns[..], &[point.inputs.penetration_depth]].concat();
+    pub fn new(before: Option<&Self>, changes: Changes, solved: &State, predicted: &State) -> Self {
+        let of = |state: &State| [&state.unknowns[..], &[state.inputs.penetration_depth]].concat();
         let now: Vec<f64> = of(solved).into_iter().zip(of(predicted)).map(|(z, p)| z - p).collect();
         let next = match before.and_then(|before| Some((&before.now, before.share(changes)?))) {
             Some((before, share)) => now.iter().zip(before).map(|(now, before)| 2.0 * now - share * before).collect(),
@@ -91,22 +91,22 @@ fn proportion(now: Changes, then: Changes) -> Option<f64> {
 }
 
 /// A guess of a state, from what it was predicted, and how far it may be trusted.
-pub(super) struct Guess {
-    pub point: Point,
-    /// The prediction by the tangent alone.
-    pub predicted: Point,
+pub(super) struct Prediction {
+    pub guess: State,
+    /// By the tangent alone.
+    pub by_tangent: State,
     pub changes: Changes,
     pub estimate: Option<PredictorEstimate>,
 }
 
 /// The state at the target inputs on the mesh of another contact: each node keeps what it has in proportion to the contact, and what
 /// that missed in the last step is added in the proportion of the steps.
-pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact: f64, control: Control) -> Point {
-    let now = &from.point;
-    let mut point = Point { contact_half_width: contact, thickening: target.thickening, ..now.clone() };
+pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact: f64, control: Control) -> State {
+    let now = &from.state;
+    let mut guess = State { contact_half_width: contact, thickening: target.thickening, ..now.clone() };
     let system = bodies.system(now.mirrored);
-    let ratio = system.carry(&mut point.unknowns, now.contact_half_width, contact);
-    point.inputs.penetration_depth *= ratio;
+    let ratio = system.carry(&mut guess.unknowns, now.contact_half_width, contact);
+    guess.inputs.penetration_depth *= ratio;
     let before = from.before.as_ref().filter(|before| before.mirrored == now.mirrored).and_then(|before| {
         let way = changes(&before.target(), &now.target(), control);
         let steps = proportion(changes(&now.target(), target, control), way)?;
@@ -118,70 +118,70 @@ pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact
     if let Some((before, share)) = before {
         let mut carried = before.unknowns.clone();
         let last = system.carry(&mut carried, before.contact_half_width, now.contact_half_width);
-        let proportional = point.unknowns.clone();
-        for ((guess, now), carried) in point.unknowns.iter_mut().zip(&now.unknowns).zip(&carried) {
-            *guess += share * ratio * (now - carried);
+        let proportional = guess.unknowns.clone();
+        for ((value, now), carried) in guess.unknowns.iter_mut().zip(&now.unknowns).zip(&carried) {
+            *value += share * ratio * (now - carried);
         }
-        system.keep_films(&mut point.unknowns, &proportional);
-        point.inputs.penetration_depth +=
+        system.keep_films(&mut guess.unknowns, &proportional);
+        guess.inputs.penetration_depth +=
             share * ratio * (now.inputs.penetration_depth - last * before.inputs.penetration_depth);
     }
     if control == Control::Depth {
-        system.compress(&mut point.unknowns, target.inputs.penetration_depth - point.inputs.penetration_depth);
+        system.compress(&mut guess.unknowns, target.inputs.penetration_depth - guess.inputs.penetration_depth);
     }
-    point
+    guess
 }
 
 /// The state at the target inputs on the tangent, and beyond that by what the tangent missed in the last step.
-pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -> Guess {
-    let mut point = from.point.clone();
-    let changes = changes(&point.target(), target, control);
+pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -> Prediction {
+    let mut guess = from.state.clone();
+    let changes = changes(&guess.target(), target, control);
     let reusable = from.reusable.as_ref();
-    let update = reusable.and_then(|reusable| along(bodies, &point, &reusable.linearization, target, control).ok());
-    let system = bodies.system(point.mirrored);
+    let update = reusable.and_then(|reusable| along(bodies, &guess, &reusable.linearization, target, control).ok());
+    let system = bodies.system(guess.mirrored);
     let Some((update, approach)) = update else {
-        system.compress(&mut point.unknowns, target.inputs.penetration_depth - point.inputs.penetration_depth);
-        return Guess { predicted: point.clone(), point, changes, estimate: None };
+        system.compress(&mut guess.unknowns, target.inputs.penetration_depth - guess.inputs.penetration_depth);
+        return Prediction { by_tangent: guess.clone(), guess, changes, estimate: None };
     };
-    point.inputs.penetration_depth += approach;
-    let mut estimate = PredictorEstimate { step: system.relative_size(&point.unknowns, &update), corrected: 0.0 };
-    system.apply(&mut point.unknowns, &update, &point.active);
-    let predicted = point.clone();
+    guess.inputs.penetration_depth += approach;
+    let mut estimate = PredictorEstimate { step: system.relative_size(&guess.unknowns, &update), corrected: 0.0 };
+    system.apply(&mut guess.unknowns, &update, &guess.active);
+    let by_tangent = guess.clone();
     if let Some((predictor_error, share)) =
         reusable.and_then(|reusable| reusable.predictor_error.as_ref()).and_then(|m| Some((m, m.share(changes)?)))
     {
         let mut correction: Vec<f64> = predictor_error.next.iter().map(|missed| -share * missed).collect();
         let approach = -correction.pop().unwrap_or_default();
-        estimate.corrected = system.relative_size(&point.unknowns, &correction);
-        system.apply(&mut point.unknowns, &correction, &point.active);
+        estimate.corrected = system.relative_size(&guess.unknowns, &correction);
+        system.apply(&mut guess.unknowns, &correction, &guess.active);
         if control == Control::Load {
-            point.inputs.penetration_depth += approach;
+            guess.inputs.penetration_depth += approach;
         }
     }
-    Guess { point, predicted, changes, estimate: Some(estimate) }
+    Prediction { guess, by_tangent, changes, estimate: Some(estimate) }
 }
 
 /// What to subtract from the unknowns for these changes of depth, speed and slide-to-roll ratio, by a tangent formed nearby; and the
 /// change of the depth, which under a load follows from that.
 fn along(
     bodies: &mut Bodies,
-    point: &Point,
-    linearization: &LinearizationPoint,
+    state: &State,
+    linearization: &State,
     target: &Target,
     control: Control,
 ) -> Result<(Vec<f64>, f64), Singular> {
-    if linearization.point.mirrored != point.mirrored {
+    if linearization.mirrored != state.mirrored {
         return Err(Singular);
     }
     bodies.form(linearization)?;
-    let mirrored = point.mirrored;
-    let mut changes = changes(&point.target(), target, Control::Depth);
-    if point.mirrored {
+    let mirrored = state.mirrored;
+    let mut changes = changes(&state.target(), target, Control::Depth);
+    if mirrored {
         // A mirrored pair does not change with the slide-to-roll ratio.
         changes[2] = 0.0;
     }
     if control == Control::Load {
-        let mut wanted = target.inputs.applied_load - load(bodies, point);
+        let mut wanted = target.inputs.applied_load - bodies.system_of(state).load(state);
         for input in (1..3).filter(|input| changes[*input] != 0.0) {
             wanted -= bodies.system(mirrored).slope(input)?.load * changes[input];
         }
@@ -189,7 +189,7 @@ fn along(
         let stiffness = bodies.system(mirrored).slope(0)?.load;
         changes[0] = if stiffness > 0.0 { (wanted / stiffness).clamp(-most, most) } else { 0.0 };
     }
-    let mut update = vec![0.0; point.unknowns.len()];
+    let mut update = vec![0.0; state.unknowns.len()];
     for (input, change) in changes.into_iter().take(3).enumerate().filter(|(_, change)| *change != 0.0) {
         update.iter_mut().zip(&bodies.system(mirrored).slope(input)?.unknowns).for_each(|(u, s)| *u -= s * change);
     }

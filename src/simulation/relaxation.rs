@@ -1,6 +1,6 @@
 //! A steady state as the end of a motion in time.
 
-use super::bodies::{Bodies, Task};
+use super::bodies::{Bodies, State, Task};
 use super::predictor::{Target, carry};
 use super::steady::{Steady, between, settle};
 use crate::equations::system::Rates;
@@ -26,16 +26,16 @@ pub(super) fn relax(
     to: &Target,
     control: Control,
 ) -> (Result<Steady, String>, usize) {
-    let start = from.point.target();
-    let mirrored = from.point.mirrored && bodies.may_mirror(&to.inputs);
-    let mut state = bodies.converted(from.point.clone(), mirrored);
+    let start = from.state.target();
+    let mirrored = from.state.mirrored && bodies.may_mirror(&to.inputs);
+    let mut state = bodies.converted(from.state.clone(), mirrored);
     // On the mesh of the target all the way.
     let contact = bodies.contact_half_width(&to.inputs, control);
     if contact != state.contact_half_width {
-        state = carry(bodies, &Steady { point: state, reusable: None, before: None }, &start, contact, control);
+        state = carry(bodies, &Steady { state, reusable: None, before: None }, &start, contact, control);
     }
     state.thickening = to.thickening;
-    let mut before = bodies.system_of(&state).stored_volumes(&state.unknowns, &state.inputs);
+    let mut before = bodies.system_of(&state).stored_volumes(&state);
     let approach = match control {
         Control::Depth => (to.inputs.penetration_depth - start.inputs.penetration_depth).abs(),
         Control::Load => 0.0,
@@ -61,19 +61,18 @@ pub(super) fn relax(
         }
         let next = f64::min(done + increment(step), 1.0);
         let given = between(&start, to, next, control, false).inputs;
-        let rates = Rates::backward_euler(step, &before);
-        let mut guess = state.clone();
+        let rates = Some(Rates::backward_euler(step, &before));
+        let mut guess = State { rates, ..state.clone().guess_for(&given, control) };
         if control == Control::Depth {
             let approach = given.penetration_depth - state.inputs.penetration_depth;
             bodies.system(mirrored).compress(&mut guess.unknowns, approach);
         }
-        let task = Task { inputs: &given, rates: Some(&rates), control, settings, reusable: None };
-        let (result, iterations) = bodies.settle(guess, &task);
+        let (result, iterations) = bodies.settle(guess, &Task { control, settings, reusable: None });
         spent += iterations;
         match result {
             Ok(solved) => {
                 state = solved;
-                before = bodies.system_of(&state).stored_volumes(&state.unknowns, &state.inputs);
+                before = bodies.system_of(&state).stored_volumes(&state);
                 patience -= 1;
                 if patience < 0 {
                     step *= if iterations < 6 { 2.5 } else { 1.4 };

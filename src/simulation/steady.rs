@@ -1,21 +1,21 @@
 //! The way to a steady state: steps of what is given, and where they fail, motion in time that comes to rest.
 
-use super::bodies::{Bodies, LinearizationPoint, Point, PredictorEstimate, Task};
-use super::predictor::{Guess, PredictorError, ReusableTangent, Target, carry, predict};
+use super::bodies::{Bodies, PredictorEstimate, State, Task};
+use super::predictor::{Prediction, PredictorError, ReusableTangent, Target, carry, predict};
 use super::relaxation::relax;
 use crate::equations::grid;
+use crate::equations::system::Solved;
 use crate::error::Error;
-use crate::outputs::Solved;
 use crate::parameters::{Control, Formulation, Inputs};
 use crate::solver::{continuation, newton};
 
 /// A steady state, and the tangent that led to it: near enough to predict states nearby and to solve for them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Steady {
-    pub point: Point,
+    pub state: State,
     pub reusable: Option<Box<ReusableTangent>>,
     /// The state before, where the mesh goes with the contact.
-    pub before: Option<Box<Point>>,
+    pub before: Option<Box<State>>,
 }
 
 /// A tangent is kept for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
@@ -54,7 +54,7 @@ pub(super) fn solve(
     };
     result.map_err(|stuck| Error::NotConverged {
         requested: inputs.described(control),
-        reached: stuck.state.point.inputs.to_string(),
+        reached: stuck.reached.state.inputs.to_string(),
         fraction: stuck.fraction,
         reason: stuck.reason,
     })
@@ -62,7 +62,7 @@ pub(super) fn solve(
 
 /// Where a way ended early.
 struct Stuck {
-    state: Steady,
+    reached: Steady,
     fraction: f64,
     reason: String,
 }
@@ -78,40 +78,35 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
     };
     let thickness = bodies.system(bodies.equal()).thickness();
     let thickening = if depth > DEEP * thickness && grid::moves(&parameters) { THICKENING } else { 1.0 };
-    let point = Point { thickening, ..bodies.rest(inputs) };
-    let apart = Inputs { penetration_depth: point.inputs.penetration_depth, ..*inputs };
+    let rest = State { thickening, ..bodies.rest(inputs) };
+    let apart = Inputs { penetration_depth: rest.inputs.penetration_depth, ..*inputs };
     let pressed = Inputs { penetration_depth: depth, ..*inputs };
-    let mut state = Steady { point, reusable: None, before: None };
+    let mut reached = Steady { state: rest, reusable: None, before: None };
     for inputs in [apart, pressed] {
         let target = Target { inputs, thickening };
-        state = match continue_to(bodies, &state, target, Control::Depth, iterations) {
-            Ok(state) => state,
+        reached = match continue_to(bodies, &reached, target, Control::Depth, iterations) {
+            Ok(reached) => reached,
             Err(stuck) if stuck.reason == UNRESOLVED => return Err(stuck),
-            Err(stuck) => relaxed(bodies, &stuck.state, &target, Control::Depth, iterations)?,
+            Err(stuck) => relaxed(bodies, &stuck.reached, &target, Control::Depth, iterations)?,
         };
     }
     let target = Target { inputs: *inputs, thickening: 1.0 };
     match (control, thickening) {
-        (Control::Depth, 1.0) => Ok(state),
-        _ => relaxed(bodies, &state, &target, control, iterations),
+        (Control::Depth, 1.0) => Ok(reached),
+        _ => relaxed(bodies, &reached, &target, control, iterations),
     }
 }
 
 fn relaxed(
     bodies: &mut Bodies,
-    state: &Steady,
+    from: &Steady,
     to: &Target,
     control: Control,
     iterations: &mut usize,
 ) -> Result<Steady, Box<Stuck>> {
-    let (result, spent) = relax(bodies, state, to, control);
+    let (result, spent) = relax(bodies, from, to, control);
     *iterations += spent;
-    result.map_err(|reason| Box::new(Stuck { state: state.clone(), fraction: 0.0, reason }))
-}
-
-/// Load per unit depth \[N/m\].
-pub(super) fn load(bodies: &mut Bodies, point: &Point) -> f64 {
-    bodies.system_of(point).load(point.at(None))
+    result.map_err(|reason| Box::new(Stuck { reached: from.clone(), fraction: 0.0, reason }))
 }
 
 /// Why no other way is tried, however long it would take.
@@ -122,13 +117,11 @@ const UNRESOLVED: &str = "the stress of the tissue is far above every pressure: 
 const UNRESOLVED_STRESS: f64 = 1e3;
 
 /// Whether a state of the paper's equations is one from which no step is worth trying that failed once.
-fn unresolved(bodies: &mut Bodies, point: &Point) -> bool {
-    let parameters = bodies.parameters;
-    if parameters.formulation != Formulation::Paper {
+fn unresolved(bodies: &mut Bodies, state: &State) -> bool {
+    if bodies.parameters.formulation != Formulation::Paper {
         return false;
     }
-    let solved = Solved { system: bodies.system_of(point), parameters: &parameters, at: point.at(None) };
-    let (outputs, _) = solved.outputs();
+    let (outputs, _) = Solved { system: bodies.system_of(state), state }.outputs();
     let fluid = outputs.maximum_fluid_pressure.max(-outputs.minimum_fluid_pressure);
     let largest = fluid.max(outputs.maximum_contact_pressure);
     largest > 0.0 && outputs.maximum_von_mises_stress > UNRESOLVED_STRESS * largest
@@ -143,98 +136,96 @@ fn continue_to(
     iterations: &mut usize,
 ) -> Result<Steady, Box<Stuck>> {
     let moves = grid::moves(&bodies.parameters);
-    let start = from.point.target();
+    let start = from.state.target();
     let way = |fraction: f64| if fraction == 1.0 { to } else { between(&start, &to, fraction, control, moves) };
-    let mut state = from.clone();
+    let mut reached = from.clone();
     let first = if moves { first_step(&start, &to, control) } else { 1.0 };
     let mut lost = false;
     let result = continuation::advance(first, |fraction| {
         if lost {
             return Err(UNRESOLVED.to_string());
         }
-        let (next, spent) = step(bodies, &state, &way(fraction), control);
+        let (next, spent) = step(bodies, &reached, &way(fraction), control);
         *iterations += spent;
-        lost = next.is_err() && unresolved(bodies, &state.point);
-        state = next?;
+        lost = next.is_err() && unresolved(bodies, &reached.state);
+        reached = next?;
         Ok(spent)
     });
     match result {
-        Ok(()) => Ok(state),
-        Err(continuation::Stuck { fraction, reason }) => Err(Box::new(Stuck { state, fraction, reason })),
+        Ok(()) => Ok(reached),
+        Err(continuation::Stuck { fraction, reason }) => Err(Box::new(Stuck { reached, fraction, reason })),
     }
 }
 
 /// One step of the continuation: the state at `target`, or why not; and the Newton iterations spent.
 fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -> (Result<Steady, String>, usize) {
     let inputs = &target.inputs;
-    let mirrored = from.point.mirrored && bodies.may_mirror(inputs);
+    let mirrored = from.state.mirrored && bodies.may_mirror(inputs);
     let contact = bodies.contact_half_width(inputs, control);
-    if contact != from.point.contact_half_width || target.thickening != from.point.thickening {
+    let reusable = from.reusable.as_ref().map(|reusable| &reusable.linearization);
+    if contact != from.state.contact_half_width || target.thickening != from.state.thickening {
         let guess = carry(bodies, from, target, contact, control);
         let guess = bodies.converted(guess, mirrored);
-        let reusable = from.reusable.as_ref().map(|reusable| (&reusable.linearization, PredictorEstimate::default()));
+        let reusable = reusable.map(|linearization| (linearization, PredictorEstimate::default()));
         let (result, spent) = settle(bodies, guess, inputs, control, reusable);
-        let before = Some(Box::new(from.point.clone()));
-        return (result.map(|state| Steady { before, ..state }), spent);
+        let before = Some(Box::new(from.state.clone()));
+        return (result.map(|reached| Steady { before, ..reached }), spent);
     }
-    let Guess { point, predicted, changes, estimate } = predict(bodies, from, target, control);
-    let guess = bodies.converted(point, mirrored);
-    let reusable = from.reusable.as_ref().map(|reusable| &reusable.linearization);
+    let Prediction { guess, by_tangent, changes, estimate } = predict(bodies, from, target, control);
+    let guess = bodies.converted(guess, mirrored);
     let (result, mut spent) = settle(bodies, guess, inputs, control, reusable.zip(estimate));
-    let mut state = match result {
-        Ok(state) => state,
+    let mut reached = match result {
+        Ok(reached) => reached,
         Err(reason) => return (Err(reason), spent),
     };
-    if let (Some(new), Some(old)) = (&mut state.reusable, reusable)
+    if let (Some(new), Some(old)) = (&mut reached.reusable, reusable)
         && new.linearization == *old
-        && state.point.mirrored == predicted.mirrored
+        && reached.state.mirrored == by_tangent.mirrored
     {
         let before = from.reusable.as_ref().and_then(|reusable| reusable.predictor_error.as_ref());
-        new.predictor_error = Some(PredictorError::new(before, changes, &state.point, &predicted));
+        new.predictor_error = Some(PredictorError::new(before, changes, &reached.state, &by_tangent));
     }
     // Boundary friction pulls the two bodies apart sideways; without it they are mirror images again.
-    match (state.point.mirrored, bodies.drags(&state.point)) {
+    match (reached.state.mirrored, bodies.drags(&reached.state)) {
         (true, true) => {
-            let guess = bodies.converted(state.point, false);
+            let guess = bodies.converted(reached.state, false);
             let (result, more) = settle(bodies, guess, inputs, control, None);
             spent += more;
             (result, spent)
         }
         (false, false) if bodies.may_mirror(inputs) => {
-            let mut reusable = state.reusable;
-            if let Some(reusable) = &mut reusable {
-                reusable.linearization.point = bodies.converted(reusable.linearization.point.clone(), true);
-                reusable.predictor_error = None;
-            }
-            (Ok(Steady { point: bodies.converted(state.point, true), reusable, before: None }), spent)
+            let reusable = reached.reusable.map(|reusable| {
+                let linearization = bodies.converted(reusable.linearization, true);
+                Box::new(ReusableTangent { linearization, predictor_error: None })
+            });
+            (Ok(Steady { state: bodies.converted(reached.state, true), reusable, before: None }), spent)
         }
-        _ => (Ok(state), spent),
+        _ => (Ok(reached), spent),
     }
 }
 
 /// Newton's method from a guess to a steady state.
 pub(super) fn settle(
     bodies: &mut Bodies,
-    guess: Point,
+    guess: State,
     target: &Inputs,
     control: Control,
-    reusable: Option<(&LinearizationPoint, PredictorEstimate)>,
+    reusable: Option<(&State, PredictorEstimate)>,
 ) -> (Result<Steady, String>, usize) {
-    let tolerance = bodies.parameters.tolerance;
     let settings = newton::Settings {
-        tolerance,
+        tolerance: bodies.parameters.tolerance,
         maximum_iterations: ITERATIONS,
         patience: PATIENCE,
         most_large: if grid::moves(&bodies.parameters) { LARGE_UPDATES } else { ITERATIONS },
         deadline: bodies.deadline,
     };
-    let task = Task { inputs: target, rates: None, control, settings, reusable };
     let mirrored = guess.mirrored;
-    let (result, spent) = bodies.settle(guess, &task);
+    let guess = State { rates: None, ..guess.guess_for(target, control) };
+    let (result, spent) = bodies.settle(guess, &Task { control, settings, reusable });
     let reusable = bodies
         .linearization(mirrored)
         .map(|linearization| Box::new(ReusableTangent { linearization: linearization.clone(), predictor_error: None }));
-    (result.map(|point| Steady { point, reusable, before: None }), spent)
+    (result.map(|state| Steady { state, reusable, before: None }), spent)
 }
 
 /// Depths of contacts grow by the same factor in equal fractions of the way, counted from this much clearance \[m\].

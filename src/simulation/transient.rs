@@ -6,10 +6,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Bodies, LinearizationPoint, Point, PredictorEstimate, Task};
+use super::bodies::{Bodies, PredictorEstimate, State, Task};
 use super::drive::Drive;
 use super::steady::PATIENCE;
-use crate::equations::system::{Rates, StoredVolumes};
+use crate::equations::system::{Rates, StoredVolumes, System};
 use crate::error::Error;
 use crate::parameters::Control;
 use crate::solver::deadline::Deadline;
@@ -49,8 +49,8 @@ impl Trend {
     }
 
     /// After a step whose second stage came from what the mesh had carried to it, so much after the first.
-    fn followed(&self, carried: &Point, solved: &Point, interval: f64, step: f64) -> Self {
-        let of = |point: &Point| [&point.unknowns[..], &[point.inputs.penetration_depth]].concat();
+    fn followed(&self, carried: &State, solved: &State, interval: f64, step: f64) -> Self {
+        let of = |state: &State| [&state.unknowns[..], &[state.inputs.penetration_depth]].concat();
         let rates: Vec<f64> =
             of(carried).iter().zip(of(solved)).map(|(before, now)| (now - before) / interval).collect();
         let between = self.half + step - 0.5 * interval;
@@ -59,48 +59,38 @@ impl Trend {
     }
 }
 
-/// What a transient state has beside its solution.
+/// What the next step in time goes by.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Motion {
-    /// Rates of change of what is stored, at the end.
-    pub rate: StoredVolumes,
     pub trend: Trend,
     /// Length of the next internal step \[s\].
     suggestion: f64,
     /// Where the last tangent was formed.
-    pub reusable: Option<LinearizationPoint>,
+    pub reusable: Option<State>,
     /// How the last communication step went, for its derivatives.
-    pub last: LastStep,
+    pub course: Course,
 }
 
 impl Motion {
-    /// The rates as a difference formula.
-    pub fn rates(&self) -> Rates {
-        Rates { rate: 0.0, history: self.rate.clone() }
-    }
-
-    /// Whether it is of equations with so many unknowns.
-    pub fn fits(&self, unknowns: usize, columns: usize) -> bool {
-        let fits = |values: &Vec<f64>| values.is_empty() || values.len() == unknowns + 1;
-        let trend = |trend: &Trend| fits(&trend.rates) && fits(&trend.changes);
-        let rates = self.reusable.as_ref().and_then(|linearization| linearization.rates.as_ref());
-        let stored_volumes =
-            |stored: &StoredVolumes| stored.film.len() == columns && stored.stations.len() == 2 * columns + 1;
-        let film = |trend: &Trend| trend.film.is_empty() || trend.film.len() == columns;
-        let meshed = |contact: f64| contact.is_finite() && contact >= 0.0;
+    /// Whether it is of these equations.
+    pub fn fits(&self, system: &System) -> bool {
+        let fits = |values: &Vec<f64>| values.is_empty() || values.len() == system.unknowns() + 1;
+        let film = |trend: &Trend| trend.film.is_empty() || trend.film.len() == system.stations.len() / 2;
+        let trend = |trend: &Trend| fits(&trend.rates) && fits(&trend.changes) && film(trend);
+        let contact = self.course.contact_half_width;
         trend(&self.trend)
-            && trend(&self.last.trend)
-            && film(&self.trend)
-            && meshed(self.last.contact_half_width)
-            && stored_volumes(&self.rate)
-            && rates.is_none_or(|rates| stored_volumes(&rates.history))
+            && trend(&self.course.trend)
+            && contact.is_finite()
+            && contact >= 0.0
+            && system.admits(&self.course.start)
+            && self.reusable.as_ref().is_none_or(|linearization| system.admits(linearization))
     }
 }
 
 /// The course of a communication step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct LastStep {
-    pub start: Point,
+pub(super) struct Course {
+    pub start: State,
     /// What contact the mesh is made for at its end \[m\].
     contact_half_width: f64,
     trend: Trend,
@@ -108,24 +98,23 @@ pub(super) struct LastStep {
     pub steps: Vec<f64>,
 }
 
-impl LastStep {
+impl Course {
     /// What contact the mesh is made for after a fraction of the step \[m\].
-    fn contact_half_width(&self, share: f64) -> f64 {
+    fn contact_half_width(&self, fraction: f64) -> f64 {
         let [from, to] = [self.start.contact_half_width, self.contact_half_width];
-        if from == to { from } else { from * (to / from).powf(share) }
+        if from == to { from } else { from * (to / from).powf(fraction) }
     }
 }
 
-/// A stage: its solution, and the difference formula that it satisfies.
+/// A stage: its solution, with the rates by its difference formula.
 pub(super) struct Stage {
     pub formula: runge_kutta::Stage,
-    pub point: Point,
-    pub rates: Rates,
+    pub state: State,
     /// Rates of change of what is stored.
     pub rate: StoredVolumes,
     stored_volumes: StoredVolumes,
     /// Its unknowns as the mesh carried them along from the state before.
-    carried: Point,
+    carried: State,
 }
 
 /// The rest of a stage's difference formula. Linear in what was stored before and in the rates of the first stage: changes
@@ -138,26 +127,26 @@ pub(super) fn history(
     before.combined(stage.before, stage.first, first.unwrap_or(before))
 }
 
-/// Where a march is.
+/// How far an integration is.
 struct TimeStepper<'a> {
-    course: &'a LastStep,
+    course: &'a Course,
     duration: f64,
-    point: Point,
+    state: State,
     stored_volumes: StoredVolumes,
     trend: Trend,
     /// Where the last tangent was formed.
-    reusable: Option<LinearizationPoint>,
+    reusable: Option<State>,
     iterations: usize,
 }
 
 impl<'a> TimeStepper<'a> {
-    fn new(bodies: &mut Bodies, course: &'a LastStep, duration: f64, reusable: Option<LinearizationPoint>) -> Self {
-        let point = course.start.clone();
-        let stored_volumes = bodies.system_of(&point).stored_volumes(&point.unknowns, &point.inputs);
-        Self { course, duration, point, stored_volumes, trend: course.trend.clone(), reusable, iterations: 0 }
+    fn new(bodies: &mut Bodies, course: &'a Course, duration: f64, reusable: Option<State>) -> Self {
+        let state = course.start.clone();
+        let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
+        Self { course, duration, state, stored_volumes, trend: course.trend.clone(), reusable, iterations: 0 }
     }
 
-    /// Both stages of an internal step; `visit` is told of each with the time from the start of the march.
+    /// Both stages of an internal step; `visit` is told of each with the time from the start.
     fn stages(
         &mut self,
         bodies: &mut Bodies,
@@ -187,7 +176,7 @@ impl<'a> TimeStepper<'a> {
         let parameters = bodies.parameters;
         let inputs = &drive.at(time);
         let later = formula.time - first.map_or(0.0, |first| first.formula.time);
-        let before = first.map_or(&self.point, |first| &first.point);
+        let before = first.map_or(&self.state, |first| &first.state);
         let carried = carried(bodies, before, self.course.contact_half_width(time / self.duration));
         let mut guess = carried.clone();
         let system = bodies.system_of(&guess);
@@ -196,12 +185,13 @@ impl<'a> TimeStepper<'a> {
         if !update.is_empty() {
             system.apply(&mut guess.unknowns, &update, &guess.active);
         }
-        match parameters.control {
-            Control::Depth => system.compress(&mut guess.unknowns, inputs.penetration_depth - followed),
-            Control::Load => guess.inputs.penetration_depth = followed,
+        if parameters.control == Control::Depth {
+            system.compress(&mut guess.unknowns, inputs.penetration_depth - followed);
         }
+        guess.inputs.penetration_depth = followed;
         let history = history(&formula, &self.stored_volumes, first.map(|first| &first.rate));
         let rates = Rates { rate: formula.present, history };
+        guess.rates = Some(rates.clone());
         let settings = newton::Settings {
             tolerance: parameters.tolerance,
             maximum_iterations: ITERATIONS,
@@ -210,40 +200,39 @@ impl<'a> TimeStepper<'a> {
             deadline: bodies.deadline,
         };
         let reusable = self.reusable.as_ref().map(|linearization| (linearization, PredictorEstimate::default()));
-        let task = Task { inputs, rates: Some(&rates), control: parameters.control, settings, reusable };
-        let (point, iterations) = bodies.settle(guess, &task);
+        let task = Task { control: parameters.control, settings, reusable };
+        let (result, iterations) = bodies.settle(guess.guess_for(inputs, parameters.control), &task);
         self.iterations += iterations;
-        let point = point?;
-        let linearization = bodies.linearization(point.mirrored);
+        let state = result?;
+        let linearization = bodies.linearization(state.mirrored);
         if self.reusable.as_ref() != linearization {
             self.reusable = linearization.cloned();
         }
-        let stored_volumes = bodies.system_of(&point).stored_volumes(&point.unknowns, &point.inputs);
+        let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
         let rate = rates.of(&stored_volumes);
-        Ok(Stage { formula, point, rates, rate, stored_volumes, carried })
+        Ok(Stage { formula, state, rate, stored_volumes, carried })
     }
 
-    fn accept(&mut self, bodies: &Bodies, [first, second]: [Stage; 2], step: f64) -> StoredVolumes {
+    fn accept(&mut self, bodies: &Bodies, [first, second]: [Stage; 2], step: f64) {
         let between = (1.0 - GAMMA) * step;
         let film = second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film;
-        let mut trend = self.trend.followed(&second.carried, &second.point, between, step);
+        let mut trend = self.trend.followed(&second.carried, &second.state, between, step);
         if bodies.parameters.cavitation {
             // A film that cavitates and heals moves with kinks.
             trend.changes.clear();
         }
         self.trend = Trend { film, ..trend };
-        self.point = second.point;
+        self.state = State { rates: Some(Rates::known(second.rate)), ..second.state };
         self.stored_volumes = second.stored_volumes;
-        second.rate
     }
 }
 
 /// A guess of the state a little later, on the mesh of the contact then.
-fn carried(bodies: &mut Bodies, point: &Point, contact_half_width: f64) -> Point {
-    let mut guess = Point { contact_half_width, ..point.clone() };
-    if contact_half_width != point.contact_half_width {
-        let system = bodies.system(point.mirrored);
-        let ratio = system.carry(&mut guess.unknowns, point.contact_half_width, contact_half_width);
+fn carried(bodies: &mut Bodies, state: &State, contact_half_width: f64) -> State {
+    let mut guess = State { contact_half_width, ..state.clone() };
+    if contact_half_width != state.contact_half_width {
+        let system = bodies.system(state.mirrored);
+        let ratio = system.carry(&mut guess.unknowns, state.contact_half_width, contact_half_width);
         guess.inputs.penetration_depth *= ratio;
     }
     guess
@@ -252,31 +241,30 @@ fn carried(bodies: &mut Bodies, point: &Point, contact_half_width: f64) -> Point
 /// Goes on for a communication step, at the end of which the mesh is made for a contact of this half-width. Returns the state at its end and the Newton iterations spent.
 pub(super) fn advance(
     bodies: &mut Bodies,
-    from: &Point,
+    from: &State,
     motion: Option<&Motion>,
     contact_half_width: f64,
     drive: &Drive,
     duration: f64,
-) -> Result<(Point, Motion, usize), Error> {
-    let mut start = LastStep {
+) -> Result<(State, Motion, usize), Error> {
+    let mut course = Course {
         start: from.clone(),
         contact_half_width,
         trend: motion.map(|motion| motion.trend.clone()).unwrap_or_default(),
         steps: Vec::new(),
     };
-    let mut rate = motion.map(|motion| motion.rate.clone());
     let suggestion = motion.map_or(duration, |motion| motion.suggestion);
     let mut spent = 0;
     let mut apart = !(bodies.may_mirror(&drive.at(0.0)) && bodies.may_mirror(&drive.at(duration)));
     loop {
-        if apart && start.start.mirrored {
-            separate(bodies, &mut start, &mut rate);
+        if apart && course.start.mirrored {
+            course = separate(bodies, course);
         }
         let reusable = motion.and_then(|motion| motion.reusable.clone());
-        let (result, iterations) = integrate(bodies, &start, rate.clone(), drive, duration, suggestion, reusable);
+        let (result, iterations) = integrate(bodies, &course, drive, duration, suggestion, reusable);
         spent += iterations;
         match result {
-            Ok((point, motion)) => return Ok((point, motion, spent)),
+            Ok((state, motion)) => return Ok((state, motion, spent)),
             // Friction pulls the bodies apart sideways: the step starts anew with both of them.
             Err(Stop::Dragged) => apart = true,
             Err(Stop::Stuck { time, reason }) => {
@@ -293,23 +281,17 @@ pub(super) fn advance(
 }
 
 /// From a mirrored pair to two bodies.
-fn separate(bodies: &mut Bodies, start: &mut LastStep, rate: &mut Option<StoredVolumes>) {
-    start.trend = Trend { film: std::mem::take(&mut start.trend.film), ..Trend::default() };
-    start.start = bodies.converted(start.start.clone(), false);
-    if let Some(rate) = rate {
-        rate.volume.extend_from_within(..);
-    }
+fn separate(bodies: &mut Bodies, course: Course) -> Course {
+    let trend = Trend { film: course.trend.film, ..Trend::default() };
+    Course { start: bodies.converted(course.start, false), trend, ..course }
 }
 
 /// The same motion in the unknowns of two bodies.
 pub(super) fn apart(bodies: &mut Bodies, motion: &Motion) -> Motion {
-    let mut motion = Motion { reusable: None, ..motion.clone() };
-    let mut rate = Some(motion.rate.clone());
-    separate(bodies, &mut motion.last, &mut rate);
-    motion
+    Motion { reusable: None, course: separate(bodies, motion.course.clone()), ..motion.clone() }
 }
 
-/// Why a march ended early.
+/// Why an integration ended early.
 enum Stop {
     Dragged,
     Stuck { time: f64, reason: String },
@@ -317,76 +299,73 @@ enum Stop {
 
 fn integrate(
     bodies: &mut Bodies,
-    start: &LastStep,
-    mut rate: Option<StoredVolumes>,
+    course: &Course,
     drive: &Drive,
     duration: f64,
     suggestion: f64,
-    reusable: Option<LinearizationPoint>,
-) -> (Result<(Point, Motion), Stop>, usize) {
+    reusable: Option<State>,
+) -> (Result<(State, Motion), Stop>, usize) {
     let longest = bodies.parameters.maximum_internal_step;
     let shortest = f64::from(-HALVINGS).exp2();
-    let mut stepper = TimeStepper::new(bodies, start, duration, reusable);
+    let mut stepper = TimeStepper::new(bodies, course, duration, reusable);
     let (mut done, mut wanted, mut steps) = (0.0, suggestion, Vec::new());
     let mut trials = 0;
     while done < 1.0 {
         trials += 1;
-        let share = share_of_step(done, (1.2 * wanted).min(longest) / duration);
-        let (time, step) = (done * duration, share * duration);
+        let fraction = fraction_of_step(done, (1.2 * wanted).min(longest) / duration);
+        let (time, step) = (done * duration, fraction * duration);
         let stuck = |reason| Stop::Stuck { time, reason };
         if trials > MOST_TRIALS {
             let reason = format!("{MOST_TRIALS} internal steps were not enough");
             return (Err(stuck(reason)), stepper.iterations);
         }
         match stepper.stages(bodies, drive, time, step, |_, _, _| Ok(())) {
-            Ok([_, second]) if second.point.mirrored && bodies.drags(&second.point) => {
+            Ok([_, second]) if second.state.mirrored && bodies.drags(&second.state) => {
                 return (Err(Stop::Dragged), stepper.iterations);
             }
             Ok(stages) => {
-                let factor = match growth(bodies, &stages, rate.as_ref()) {
+                let factor = match growth(bodies, &stages, stepper.state.rates.as_ref()) {
                     Ok(factor) => factor,
                     Err(reason) => return (Err(stuck(reason)), stepper.iterations),
                 };
-                if factor < 1.0 && share > shortest {
+                if factor < 1.0 && fraction > shortest {
                     wanted = step * (0.9 * factor).clamp(0.1, 0.4);
                     continue;
                 }
-                rate = Some(stepper.accept(bodies, stages, step));
+                stepper.accept(bodies, stages, step);
                 steps.push(step);
-                done += share;
+                done += fraction;
                 wanted = step * (0.9 * factor).min(4.0);
             }
-            Err(_) if share > shortest => wanted = 0.2 * step,
+            Err(_) if fraction > shortest => wanted = 0.2 * step,
             Err(reason) => return (Err(stuck(reason)), stepper.iterations),
         }
     }
-    let TimeStepper { point, trend, reusable, iterations, .. } = stepper;
-    let last = LastStep { steps, ..start.clone() };
-    let motion = rate.map(|rate| Motion { rate, trend, suggestion: wanted, reusable, last });
-    let end = motion.map(|motion| (point, motion));
-    (end.ok_or_else(|| Stop::Stuck { time: 0.0, reason: "the step has no length".into() }), iterations)
+    let TimeStepper { state, trend, reusable, iterations, .. } = stepper;
+    let course = Course { steps, ..course.clone() };
+    (Ok((state, Motion { trend, suggestion: wanted, reusable, course })), iterations)
 }
 
 /// The next internal step as a fraction of the communication step: one over a power of two, not above `most`, and ending where
 /// steps of that length end.
-fn share_of_step(done: f64, most: f64) -> f64 {
-    let mut share = most.min(1.0).log2().floor().exp2();
+fn fraction_of_step(done: f64, most: f64) -> f64 {
+    let mut fraction = most.min(1.0).log2().floor().exp2();
     // Exact: both are sums of powers of two.
-    while (done / share).fract() != 0.0 {
-        share *= 0.5;
+    while (done / fraction).fract() != 0.0 {
+        fraction *= 0.5;
     }
-    share
+    fraction
 }
 
 /// By how much the step could have been longer for the error that is allowed; below 1 it was too long.
-fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&StoredVolumes>) -> Result<f64, String> {
+fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Rates>) -> Result<f64, String> {
     let allowed = bodies.parameters.relative_tolerance;
-    let system = bodies.system_of(&second.point);
+    let system = bodies.system_of(&second.state);
     let size = |error: StoredVolumes| {
         let mut update = vec![0.0; system.unknowns()];
-        system.add_storage(&second.point.unknowns, &second.point.inputs, &error, &mut update);
+        system.add_storage(&second.state, &error, &mut update);
         system.solve(&mut update).map_err(|singular| singular.to_string())?;
-        Ok::<_, String>((system.mean_relative_size(&second.point.unknowns, &update) / allowed).max(1e-9))
+        Ok::<_, String>((system.mean_relative_size(&second.state.unknowns, &update) / allowed).max(1e-9))
     };
     // Against the method of first order that goes on with the rates of the first stage; the error in what is stored is this
     // times gamma times the step, which the tangent divides by again.
@@ -395,7 +374,7 @@ fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Sto
     // Where the motion is smooth the error of the method itself is less: its error constant times the third derivative, from
     // divided differences of the rates at the start and at the two stages.
     let Some(before) = before else { return Ok(by_first_order) };
-    let earlier = first.rate.combined(1.0, -1.0, before);
+    let earlier = first.rate.combined(1.0, -1.0, &before.history);
     let error = change.combined(1.0 / (1.0 - GAMMA), -1.0 / GAMMA, &earlier).scaled(2.0 * ERROR_CONSTANT / GAMMA);
     Ok(by_first_order.max(size(error)?.powf(-1.0 / 3.0)))
 }
@@ -403,16 +382,16 @@ fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Sto
 /// Takes the course of a communication step again; `visit` is told of each stage with its time.
 pub(super) fn replay(
     bodies: &mut Bodies,
-    last: &LastStep,
+    course: &Course,
     drive: &Drive,
     duration: f64,
     mut visit: impl FnMut(&mut Bodies, &Stage, f64) -> Result<(), String>,
 ) -> Result<(), String> {
     // Long after the step, perhaps.
     bodies.deadline = Deadline::after(bodies.parameters.maximum_solve_time);
-    let mut stepper = TimeStepper::new(bodies, last, duration, None);
+    let mut stepper = TimeStepper::new(bodies, course, duration, None);
     let mut time = 0.0;
-    for step in &last.steps {
+    for step in &course.steps {
         let stages = stepper.stages(bodies, drive, time, *step, &mut visit)?;
         stepper.accept(bodies, stages, *step);
         time += step;

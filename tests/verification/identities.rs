@@ -17,7 +17,6 @@
 
 use approx::assert_relative_eq;
 use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, pressure, quadratic_derivative};
-use cartilage_contact::outputs::Solved;
 use cartilage_contact::parameters::{Body, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::Simulation;
 
@@ -84,7 +83,7 @@ fn half_a_pair_is_half_of_the_pair() {
         let parameters = Parameters { boundary_friction_loads_tissue: false, ..coarse(formulation) };
         let half = pair_at(&parameters, true, &PATH);
         let full = pair_at(&parameters, false, &PATH);
-        assert!(full.point.active.contains(&true) && half.point.active == full.point.active);
+        assert!(full.state.active.contains(&true) && half.state.active == full.state.active);
         for node in 0..half.system.layers[0].mesh.nodes.len() {
             let [x, y] = half.displacement(0, node);
             for (body, sign) in [(0, 1.0), (1, -1.0)] {
@@ -106,7 +105,7 @@ fn energy_and_mass_of_the_film() {
                 let pair = pair_at(&parameters, false, depths);
                 let bodies = [0, 1].map(|body| pair.reactions(body, 0.5 * U));
                 let levels = pair.levels();
-                let film = pair.system.film_outflow(pair.at(), &pair.no_change());
+                let film = pair.system.film_outflow(&pair.state, &pair.no_change());
                 let beyond = pair.beyond(&parameters);
                 // V times weight at the stations, and what the film makes of it.
                 let outflow = |i: usize| -bodies[0][2][i * levels] - bodies[1][2][i * levels];
@@ -162,9 +161,9 @@ fn equilibrium_of_each_body() {
         for depths in [&PATH[..1], &PATH[..3], &PATH[..]] {
             let pair = pair_at(&parameters, false, depths);
             let levels = pair.levels();
-            let solid: f64 = (0..pair.point.active.len())
-                .filter(|i| pair.point.active[*i])
-                .map(|i| pair.point.contact_forces[i])
+            let solid: f64 = (0..pair.state.active.len())
+                .filter(|i| pair.state.active[*i])
+                .map(|i| pair.state.contact_forces[i])
                 .sum();
             let fluid: f64 = pair.places().iter().map(|p| p.weight * p.pressure).sum();
             for body in 0..2 {
@@ -213,7 +212,7 @@ fn what_the_bones_carry_is_what_is_reported() {
             let all = lower == base.upper && ratio > -1.0;
             for d in PATH.into_iter().filter(|d| all || *d <= 8.0) {
                 pair.go(inputs(d, U, ratio));
-                let o = Solved { system: &pair.system, parameters: &parameters, at: pair.at() }.outputs().0;
+                let o = pair.solved().outputs().0;
                 let levels = pair.levels();
                 let bones = [0, 1].map(|body| {
                     let layer = &pair.system.layers[body];
@@ -239,7 +238,7 @@ fn what_the_bones_carry_is_what_is_reported() {
                     .iter()
                     .zip([(0, -1.0), (last, 1.0)])
                     .map(|(end, (i, side))| {
-                        side * end.pressure * pair.point.unknowns[pair.system.layout.gap[i] as usize] + end.shear[0]
+                        side * end.pressure * pair.state.unknowns[pair.system.layout.gap[i] as usize] + end.shear[0]
                     })
                     .sum();
                 let [r1, r2] = [parameters.upper.outer_radius, parameters.lower.outer_radius];
@@ -264,7 +263,7 @@ fn what_the_bones_carry_is_what_is_reported() {
                 assert_relative_eq!(o.upper_force_y, parameters.width * o.load);
                 assert_relative_eq!(o.lower_moment, -parameters.width * o.load_moment);
             }
-            assert!(pair.point.active.contains(&true) || !all);
+            assert!(pair.state.active.contains(&true) || !all);
         }
     }
 }
@@ -277,7 +276,7 @@ fn the_moment_is_that_of_the_surface_pressures() {
         let base = coarse(Formulation::Consistent);
         let parameters = Parameters { mesh: Mesh { columns, ..base.mesh }, ..base };
         let pair = pair_at(&parameters, true, &[-10.0, 0.0, 6.0]);
-        let o = Solved { system: &pair.system, parameters: &parameters, at: pair.at() }.outputs().0;
+        let o = pair.solved().outputs().0;
         let levels = pair.levels();
         let nodes: Vec<[f64; 2]> = (0..pair.system.stations.len())
             .map(|i| {
@@ -391,7 +390,7 @@ fn equation_13() {
                     // The film's momentum: wall shear against pressure on the slopes of the surfaces, -int p h' dx, and at the ends.
                     let last = pair.system.stations.len() - 1;
                     let at_end = |station: usize| {
-                        let gap = pair.point.unknowns[pair.system.layout.gap[station] as usize];
+                        let gap = pair.state.unknowns[pair.system.layout.gap[station] as usize];
                         gap * pair.pressure(0, station * pair.levels())
                     };
                     let slopes: f64 = places.iter().map(|p| p.weight * p.film_slope * p.pressure).sum();
@@ -423,17 +422,17 @@ fn millimetres_and_grams() {
         a.go(now);
         b.go(Inputs { penetration_depth: 1e3 * now.penetration_depth, sliding_speed: 1e3 * U, ..now });
     }
-    assert!(a.point.active == b.point.active && a.point.active.contains(&true));
+    assert!(a.state.active == b.state.active && a.state.active.contains(&true));
     for (p, q) in a.places().iter().zip(b.places()) {
         assert_relative_eq!(1e3 * p.film_thickness, q.film_thickness, max_relative = 1e-7, epsilon = 1e-12);
         assert_relative_eq!(p.pressure, q.pressure, max_relative = 1e-7, epsilon = 1e-3);
     }
     for (p, q) in a
-        .point
+        .state
         .contact_forces
         .iter()
-        .zip(&b.point.contact_forces)
-        .zip(&a.point.active)
+        .zip(&b.state.contact_forces)
+        .zip(&a.state.active)
         .filter(|(_, a)| **a)
         .map(|(f, _)| f)
     {

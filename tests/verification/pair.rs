@@ -1,7 +1,7 @@
 //! Two bodies as the crate's own discrete system, with its unknowns in reach.
 
 use cartilage_contact::equations::inflow;
-use cartilage_contact::equations::system::{At, Change, Point, System, Task};
+use cartilage_contact::equations::system::{Change, Solved, State, System, Task};
 use cartilage_contact::equations::tissue::{ElementTerms, LOCAL, VolumeRate};
 use cartilage_contact::fem::assembly::scatter;
 use cartilage_contact::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, quadratic, quadratic_derivative};
@@ -12,7 +12,7 @@ use cartilage_contact::solver::newton;
 
 pub struct Pair {
     pub system: System,
-    pub point: Point,
+    pub state: State,
 }
 
 /// What an element of the interface has at one of its quadrature points.
@@ -47,9 +47,9 @@ impl Pair {
         let radii = [parameters.upper.outer_radius, parameters.lower.outer_radius];
         let slope: f64 = radii.iter().map(|r| x / (r * r - x * x).sqrt()).sum();
         let curvature: f64 = radii.iter().map(|r| 1.0 / r).sum();
-        let (eta, speed) = (parameters.viscosity, self.point.inputs.sliding_speed);
+        let (eta, speed) = (parameters.viscosity, self.state.inputs.sliding_speed);
         let ends = [(0, -1.0), (last, 1.0)].into_iter().map(|(station, side)| {
-            let gap = self.point.unknowns[self.system.layout.gap[station] as usize];
+            let gap = self.state.unknowns[self.system.layout.gap[station] as usize];
             let pressure = self.pressure(0, station * self.levels());
             let (length, n) = (gap / slope, 20_000);
             let mut integrals = [0.0; 3];
@@ -71,24 +71,13 @@ impl Pair {
 
     pub fn new(parameters: &Parameters, mirrored: bool) -> Self {
         let system = System::new(parameters, mirrored, 0.0);
-        let inputs = Inputs { sliding_speed: 0.0, ..Inputs::default() };
-        let stations = system.stations.len();
-        let point = Point {
-            inputs,
-            mirrored,
-            contact_half_width: 0.0,
-            thickening: 1.0,
-            unknowns: system.rest(inputs.penetration_depth),
-            active: vec![false; stations],
-            contact_forces: vec![0.0; stations],
-        };
-        Self { system, point }
+        let state = system.rest(Inputs::default());
+        Self { system, state }
     }
 
     /// Rest at this depth, so that the first step need not move the bones.
     pub fn rest_at(&mut self, penetration_depth: f64) {
-        self.point.inputs.penetration_depth = penetration_depth;
-        self.point.unknowns = self.system.rest(penetration_depth);
+        self.state = self.system.rest(Inputs { penetration_depth, ..self.state.inputs });
     }
 
     /// Solves for these inputs from the present state.
@@ -100,19 +89,20 @@ impl Pair {
             most_large: 40,
             deadline: Deadline::default(),
         };
-        let task = Task { inputs: &inputs, rates: None, control: Control::Depth, settings, reusable: None };
-        let (result, _) = self.system.settle(self.point.clone(), &task);
-        self.point = result.unwrap_or_else(|reason| panic!("{inputs}: {reason}"));
+        let task = Task { control: Control::Depth, settings, reusable: None };
+        let guess = self.state.clone().guess_for(&inputs, Control::Depth);
+        let (result, _) = self.system.settle(guess, &task);
+        self.state = result.unwrap_or_else(|reason| panic!("{inputs}: {reason}"));
     }
 
-    /// Where derivatives are taken.
-    pub fn at(&self) -> At<'_> {
-        self.point.at(None)
+    /// What is reported of it.
+    pub fn solved(&self) -> Solved<'_> {
+        Solved { system: &self.system, state: &self.state }
     }
 
     /// No change at all.
     pub fn no_change(&self) -> Change {
-        Change::none(self.point.unknowns.len(), self.point.active.len())
+        Change::none(self.state.unknowns.len(), self.state.active.len())
     }
 
     /// Nodes through the thickness.
@@ -124,7 +114,7 @@ impl Pair {
     pub fn pressure(&self, body: usize, node: usize) -> f64 {
         match self.system.layout.pressure[body][node] {
             FIXED => 0.0,
-            number => self.point.unknowns[number as usize],
+            number => self.state.unknowns[number as usize],
         }
     }
 
@@ -133,7 +123,7 @@ impl Pair {
         let mesh = &self.system.layers[body].mesh;
         let element =
             (node / mesh.levels()).saturating_sub(1) / 2 * mesh.rows + (node % mesh.levels()).saturating_sub(1) / 2;
-        let at = self.system.local(body, element, &self.point.unknowns, self.point.inputs.penetration_depth);
+        let at = self.system.local(body, element, &self.state.unknowns, self.state.inputs.penetration_depth);
         let a = mesh.element_nodes(element).iter().position(|n| *n == node).unwrap();
         [at[a], at[NODES + a]]
     }
@@ -144,7 +134,7 @@ impl Pair {
         let layer = &self.system.layers[body];
         let mut reactions = [0; 3].map(|_| vec![0.0; layer.mesh.nodes.len()]);
         for element in 0..layer.mesh.elements() {
-            let at = self.system.local(body, element, &self.point.unknowns, self.point.inputs.penetration_depth);
+            let at = self.system.local(body, element, &self.state.unknowns, self.state.inputs.penetration_depth);
             let mut local = [0.0; LOCAL];
             let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
             layer.tissue.element(&layer.mesh, element, &at, [speed; 2], &VolumeRate::default(), terms).unwrap();
@@ -166,7 +156,7 @@ impl Pair {
         let layer = &self.system.layers[body];
         let mut carried = 0.0;
         for element in 0..layer.mesh.elements() {
-            let at = self.system.local(body, element, &self.point.unknowns, self.point.inputs.penetration_depth);
+            let at = self.system.local(body, element, &self.state.unknowns, self.state.inputs.penetration_depth);
             for point in layer.mesh.end_points(element).filter(|point| point.outflow * speed > 0.0) {
                 let [gx, gy] = &point.gradients;
                 let slope = |g: &[f64; NODES], first: usize| -> f64 { (0..NODES).map(|a| g[a] * at[first + a]).sum() };
@@ -185,7 +175,7 @@ impl Pair {
         for column in 0..x.len() / 2 {
             let nodes = [2 * column, 2 * column + 1, 2 * column + 2];
             let half = 0.5 * (x[nodes[2]] - x[nodes[0]]);
-            let gaps = nodes.map(|i| self.point.unknowns[self.system.layout.gap[i] as usize]);
+            let gaps = nodes.map(|i| self.state.unknowns[self.system.layout.gap[i] as usize]);
             let pressures = nodes.map(|i| self.pressure(0, i * levels));
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let sum = |f: [f64; 3], v: [f64; 3]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];

@@ -2,7 +2,7 @@
 
 use num_dual::Dual64;
 
-use super::{At, Change, System, surface_speeds};
+use super::{Change, State, System, surface_speeds};
 use crate::equations::grid;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, quadratic, quadratic_derivative};
 use crate::laws::chain;
@@ -28,7 +28,7 @@ impl Loads {
 
 impl System {
     /// Pressure of solid on solid at every station, with its change \[Pa\].
-    pub fn contact_pressure(&self, at: At<'_>, change: &Change) -> Vec<Dual64> {
+    pub fn contact_pressure(&self, at: &State, change: &Change) -> Vec<Dual64> {
         let law = self.contact_law();
         let pressure = |i: usize| {
             let by_gap = chain(law.pressure(at.gap(self, i)), self.gap_change(change, i));
@@ -46,7 +46,7 @@ impl System {
 
     /// What the surfaces carry, with its change: vertical forces, of the consistent formulation and of rough surfaces over the deformed
     /// surfaces (the mean of both bodies), else over the undeformed ones.
-    pub fn loads(&self, at: At<'_>, change: &Change) -> Loads {
+    pub fn loads(&self, at: &State, change: &Change) -> Loads {
         let zero = Dual64::from(0.0);
         let mut loads = Loads { fluid: zero, solid: zero, in_real_contact: zero };
         let law = self.contact_law();
@@ -83,7 +83,7 @@ impl System {
                 loads.in_real_contact += share * (solid + fluid);
             }
         }
-        let forces = at.contact_forces.iter().zip(&change.contact_forces).zip(at.active);
+        let forces = at.contact_forces.iter().zip(&change.contact_forces).zip(&at.active);
         for ((force, change), _) in forces.filter(|(_, active)| **active) {
             loads.solid += Dual64::new(*force, *change);
         }
@@ -93,10 +93,10 @@ impl System {
 
 impl System {
     /// What the film beyond the ends of the sector adds to the two parts of the friction forces, see [`crate::laws::film::wall_shear`].
-    pub fn film_end_shear(&self, at: At<'_>, change: &Change) -> Vec<[Dual64; 2]> {
+    pub fn film_end_shear(&self, at: &State, change: &Change) -> Vec<[Dual64; 2]> {
         let last = self.stations.len() - 1;
         let levels = self.layers[0].mesh.levels();
-        let speeds = surface_speeds(at.inputs).into_iter().zip(change.inputs.surface_speeds(at.inputs));
+        let speeds = surface_speeds(&at.inputs).into_iter().zip(change.inputs.surface_speeds(&at.inputs));
         let speeds: Vec<_> = speeds.map(|(speed, change)| Dual64::new(speed, change)).collect();
         let ends = self.film_ends.iter().flatten().zip([0, last]).map(|(end, station)| {
             let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
@@ -127,7 +127,7 @@ pub struct Resultant {
 
 impl System {
     /// Height of the middle of the deformed film at every station \[m\]; zero between mirror images.
-    pub fn mean_height(&self, at: At<'_>, change: &Change) -> Vec<Dual64> {
+    pub fn mean_height(&self, at: &State, change: &Change) -> Vec<Dual64> {
         let levels = self.layers[0].mesh.levels();
         let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
         let surface = |body: usize, i: usize| self.layers[body].mesh.nodes[i * levels][1];
@@ -153,7 +153,7 @@ impl System {
 
     /// Force and moment of the pressures on the upper body: half the difference of what acts on the two bodies, so that the lower one
     /// has the opposite. The surfaces are those of [`System::loads`].
-    pub fn resultant(&self, at: At<'_>, change: &Change) -> Resultant {
+    pub fn resultant(&self, at: &State, change: &Change) -> Resultant {
         let zero = Dual64::from(0.0);
         let mut sum =
             Resultant { on_slopes: zero, moment: zero, rubbing: zero, rubbing_along_x: zero, rubbing_lever: zero };
@@ -230,12 +230,12 @@ impl System {
 impl System {
     /// Power of the pressure on what leaves the ends of the film relative to the moving walls, e p (Q - U h/2) with e of
     /// [`crate::equations::film_end`] \[W/m\].
-    pub fn film_end_power(&self, at: At<'_>, change: &Change) -> Dual64 {
+    pub fn film_end_power(&self, at: &State, change: &Change) -> Dual64 {
         let levels = self.layers[0].mesh.levels();
         let speed = Dual64::new(at.inputs.sliding_speed, change.inputs.sliding_speed);
         let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);
-        let speeds = change.inputs.surface_speeds(at.inputs);
-        self.film_outflows(at.unknowns, at.inputs, None)
+        let speeds = change.inputs.surface_speeds(&at.inputs);
+        self.film_outflows(&at.unknowns, &at.inputs, None)
             .map(|(station, outflow)| {
                 let (gap, pressure) =
                     (value(self.layout.gap[station]), value(self.layout.pressure[0][station * levels]));

@@ -3,15 +3,15 @@
 mod load;
 mod problem;
 mod residual;
+mod state;
 mod tangent;
 mod transfer;
 mod update;
 
 pub use load::Loads;
-pub use problem::{LinearizationPoint, Point, Slope, Task};
-pub use tangent::{At, Change, Direction, Perturbation};
-
-use serde::{Deserialize, Serialize};
+pub use problem::{Slope, Task};
+pub use state::{Rates, Solved, State, StoredVolumes};
+pub use tangent::{Change, Direction, Perturbation};
 
 use crate::equations::contact::{Contact, ContactLaw};
 use crate::equations::film::{self, Film, MassRate};
@@ -21,7 +21,7 @@ use crate::equations::layout::{Layout, Quantity};
 use crate::equations::surface::Surface;
 use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
 use crate::fem::assembly::scatter;
-use crate::fem::element::{NODES, POINTS, SIMPSON};
+use crate::fem::element::{NODES, SIMPSON};
 use crate::fem::mesh::LayerMesh;
 use crate::laws::contact::mobilised_friction;
 use crate::laws::fluid::{Carreau, Fluid};
@@ -30,7 +30,7 @@ use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
 use crate::laws::{FluidLaw, Formulation, PermeabilityLaw, SolidLaw, darcy};
 use crate::parameters::{Body, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
-use problem::{Posed, Tangent};
+use problem::Tangent;
 
 /// One body: its mesh and its material.
 #[derive(Debug)]
@@ -41,60 +41,6 @@ pub struct Layer {
     pub tissue: Tissue,
     /// 1 above the film, -1 below.
     pub side: f64,
-}
-
-/// Time derivatives by a difference formula, d/dt = rate * present value + history, seen from a mesh that may move; steady has none.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Rates {
-    /// Factor of the present value \[1/s\].
-    pub rate: f64,
-    /// The rest of the derivatives of what is stored.
-    pub history: StoredVolumes,
-}
-
-/// What time derivatives are taken of, at the quadrature points.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StoredVolumes {
-    /// Change of volume (J - 1) dA in every element of every body \[m^2\].
-    pub volume: Vec<Vec<[f64; POINTS]>>,
-    /// Fluid r h of the film times the length of its element \[m^2\].
-    pub film: Vec<[f64; 3]>,
-    /// Places of the stations, whose rates are the speed of the mesh \[m\].
-    pub stations: Vec<f64>,
-}
-
-impl StoredVolumes {
-    /// a * self + b * other, value by value.
-    pub fn combined(&self, a: f64, b: f64, other: &Self) -> Self {
-        let mix = |x: f64, y: f64| a * x + b * y;
-        Self {
-            volume: self
-                .volume
-                .iter()
-                .zip(&other.volume)
-                .map(|(x, y)| x.iter().zip(y).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect())
-                .collect(),
-            film: self.film.iter().zip(&other.film).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect(),
-            stations: self.stations.iter().zip(&other.stations).map(|(x, y)| mix(*x, *y)).collect(),
-        }
-    }
-
-    /// a * self.
-    pub fn scaled(&self, a: f64) -> Self {
-        self.combined(a, 0.0, self)
-    }
-}
-
-impl Rates {
-    /// d/dt of these stored volumes.
-    pub fn of(&self, stored_volumes: &StoredVolumes) -> StoredVolumes {
-        self.history.combined(1.0, self.rate, stored_volumes)
-    }
-
-    /// d/dt = (present - before) / step.
-    pub fn backward_euler(step: f64, before: &StoredVolumes) -> Self {
-        Self { rate: 1.0 / step, history: before.scaled(-1.0 / step) }
-    }
 }
 
 /// The discrete equations of a pair of layers, with the factorisation of their last tangent.
@@ -128,16 +74,6 @@ pub struct System {
     height: Vec<Vec<f64>>,
     linear: Multifrontal,
     tangent: Tangent,
-    posed: Posed,
-}
-
-/// Residual at some unknowns, and the contact forces that go with it.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Residual {
-    /// Residual of every equation.
-    pub values: Vec<f64>,
-    /// Force with which the bodies press on each other at every station \[N/m\]; meaningful where the station is active.
-    pub contact_forces: Vec<f64>,
 }
 
 /// Speeds of the two surfaces.
@@ -311,7 +247,6 @@ impl System {
             layout,
             linear,
             tangent: Tangent::default(),
-            posed: Posed::default(),
         };
         system.take_interface(grid);
         system
@@ -359,6 +294,11 @@ impl System {
             self.film_ends = Some([-1.0, 1.0].map(|side| FilmEnd { side, slope, curvature, fluid: self.film.fluid }));
         }
         (self.stations, self.arc, self.cosine, self.touching_gap) = (stations, arc, cosine, touching_gap);
+    }
+
+    /// The case.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
     }
 
     /// Number of unknowns.
@@ -439,19 +379,28 @@ impl System {
         grid::part(&self.parameters) * layer.side
     }
 
-    /// The exact solution without motion and without contact.
-    pub fn rest(&self, penetration_depth: f64) -> Vec<f64> {
+    /// The exact solution without motion and without contact, on the present mesh.
+    pub fn rest(&self, inputs: Inputs) -> State {
         let mut unknowns = vec![0.0; self.unknowns()];
         for ((gap, touching), cosine) in self.layout.gap.iter().zip(&self.touching_gap).zip(&self.cosine) {
-            unknowns[*gap as usize] = touching - penetration_depth * cosine;
+            unknowns[*gap as usize] = touching - inputs.penetration_depth * cosine;
         }
         for layer in 0..self.layers.len() {
-            let shift = -self.part(&self.layers[layer]) * penetration_depth;
+            let shift = -self.part(&self.layers[layer]) * inputs.penetration_depth;
             for number in self.layout.vertical[layer].iter().filter(|n| **n != FIXED) {
                 unknowns[*number as usize] = shift;
             }
         }
-        unknowns
+        State {
+            inputs: Inputs { sliding_speed: 0.0, ..inputs },
+            rates: None,
+            mirrored: self.mirrored(),
+            contact_half_width: self.contact_half_width,
+            thickening: self.thickening,
+            unknowns,
+            active: vec![false; self.stations.len()],
+            contact_forces: vec![0.0; self.stations.len()],
+        }
     }
 
     /// Displacements and pressures of an element's nodes.
@@ -517,10 +466,10 @@ impl System {
     }
 
     /// Stations where the film is cavitated.
-    pub fn cavitated(&self, at: &At<'_>) -> Vec<bool> {
-        let moves = moves(at.inputs, at.rates);
+    pub fn cavitated(&self, state: &State) -> Vec<bool> {
+        let moves = moves(&state.inputs, state.rates.as_ref());
         let cavitated =
-            |i: usize| !at.active[i] && self.layout.void[i] != FIXED && self.is_cavitated(i, at.unknowns, moves);
+            |i: usize| !state.active[i] && self.layout.void[i] != FIXED && self.is_cavitated(i, &state.unknowns, moves);
         (0..self.stations.len()).map(cavitated).collect()
     }
 

@@ -1,15 +1,15 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
-use super::{Rates, Residual, StoredVolumes, System, moves, surface_speeds};
+use super::{Change, State, StoredVolumes, System, moves, surface_speeds};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
-use crate::parameters::Inputs;
 use crate::solver::linear::FIXED;
 
 impl System {
     /// Volumes and masses whose rates of change enter the balances.
-    pub fn stored_volumes(&self, unknowns: &[f64], inputs: &Inputs) -> StoredVolumes {
+    pub fn stored_volumes(&self, state: &State) -> StoredVolumes {
+        let State { unknowns, inputs, .. } = state;
         let volume = self.layers.iter().enumerate().map(|(body, layer)| {
             let element = |element| {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -27,18 +27,13 @@ impl System {
         StoredVolumes { volume: volume.collect(), film: film.collect(), stations: self.stations.clone() }
     }
 
-    /// How [`System::stored_volumes`] change along a change of unknowns and of the penetration depth.
-    pub fn stored_volumes_change(
-        &self,
-        unknowns: &[f64],
-        inputs: &Inputs,
-        change: &[f64],
-        penetration_depth: f64,
-    ) -> StoredVolumes {
+    /// How [`System::stored_volumes`] change along a change of the state.
+    pub fn stored_volumes_change(&self, state: &State, change: &Change) -> StoredVolumes {
+        let State { unknowns, inputs, .. } = state;
         let volume = self.layers.iter().enumerate().map(|(body, layer)| {
             let element = |element| {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
-                let along = self.local_change(body, element, change, penetration_depth);
+                let along = self.local_change(body, element, &change.unknowns, change.inputs.penetration_depth);
                 let points = layer.mesh.points(element);
                 std::array::from_fn(|point| {
                     let strain = Tissue::strain(&layer.mesh, element, point, &at);
@@ -50,14 +45,15 @@ impl System {
         });
         let film = (0..self.layers[0].mesh.columns).map(|column| {
             let length = self.film_length(column);
-            let [at, change] = [unknowns, change].map(|values| self.film_local(column, values));
+            let [at, change] = [unknowns, &change.unknowns].map(|values| self.film_local(column, values));
             self.film.mass_change(&at, &change).map(|change| change * length)
         });
         StoredVolumes { volume: volume.collect(), film: film.collect(), stations: vec![0.0; self.stations.len()] }
     }
 
     /// Adds what a change of the rates of volume and mass does to the residual.
-    pub fn add_storage(&self, unknowns: &[f64], inputs: &Inputs, change: &StoredVolumes, values: &mut [f64]) {
+    pub fn add_storage(&self, state: &State, change: &StoredVolumes, values: &mut [f64]) {
+        let State { unknowns, inputs, .. } = state;
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -71,14 +67,10 @@ impl System {
         }
     }
 
-    /// Residual of all equations; contact enters by [`Self::apply_contact`].
-    pub(super) fn raw_residual(
-        &self,
-        unknowns: &[f64],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-        values: &mut [f64],
-    ) -> Result<(), Inverted> {
+    /// Residual of all equations; contact enters by [`Self::residual_at`].
+    fn raw_residual(&self, state: &State, values: &mut [f64]) -> Result<(), Inverted> {
+        let State { unknowns, inputs, .. } = state;
+        let rates = state.rates.as_ref();
         values.fill(0.0);
         let speeds = surface_speeds(inputs);
         let contact = self.contact(inputs);
@@ -117,41 +109,33 @@ impl System {
         Ok(())
     }
 
-    /// Residual at these unknowns, with the active set renewed from it. Returns whether the set changed.
+    /// Residual at a state, with its active set and contact forces renewed from that. Returns whether the set changed.
     ///
     /// # Errors
     /// [`Inverted`] where an element is turned inside out.
-    pub fn residual_at(
-        &self,
-        unknowns: &[f64],
-        active: &mut [bool],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-        residual: &mut Residual,
-    ) -> Result<bool, Inverted> {
-        let Residual { values, contact_forces } = residual;
+    pub fn residual_at(&self, state: &mut State, values: &mut Vec<f64>) -> Result<bool, Inverted> {
         values.resize(self.unknowns(), 0.0);
-        contact_forces.resize(self.stations.len(), 0.0);
-        self.raw_residual(unknowns, inputs, rates, values)?;
+        self.raw_residual(state, values)?;
+        let State { unknowns, inputs, rates, active, contact_forces, .. } = state;
         let contact = self.contact(inputs);
         let mut changed = false;
-        for (i, active) in active.iter_mut().enumerate() {
+        for (i, (active, contact_force)) in active.iter_mut().zip(contact_forces).enumerate() {
             let gap = self.layout.gap[i] as usize;
-            contact_forces[i] = self.copies() * self.cosine[i] * values[gap];
-            let multiplier = if *active { contact_forces[i] / self.weights[i] } else { 0.0 };
+            let force = self.copies() * self.cosine[i] * values[gap];
+            let multiplier = if *active { force / self.weights[i] } else { 0.0 };
             let now = contact.law.is_active(*active, multiplier, unknowns[gap]);
             changed |= now != *active;
             *active = now;
-        }
-        for i in (0..active.len()).filter(|i| active[*i]) {
-            let gap = self.layout.gap[i] as usize;
-            self.add_friction(i, contact.friction * contact_forces[i], values);
-            values[gap] = self.layout.gap_multiplicity[i] * contact.law.condition(unknowns[gap]).0;
+            *contact_force = if now { force } else { 0.0 };
+            if now {
+                self.add_friction(i, contact.friction * force, values);
+                values[gap] = self.layout.gap_multiplicity[i] * contact.law.condition(unknowns[gap]).0;
+            }
         }
         for i in (0..active.len()).filter(|i| self.layout.void[*i] != FIXED) {
             let [pressure, void] = self.pressure_and_void(i, unknowns);
             values[self.layout.void[i] as usize] = self.layout.gap_multiplicity[i]
-                * match self.is_cavitated(i, unknowns, moves(inputs, rates)) {
+                * match self.is_cavitated(i, unknowns, moves(inputs, rates.as_ref())) {
                     true => pressure - self.parameters.cavitation_pressure,
                     false => self.contact_stiffness * void,
                 };

@@ -1,6 +1,6 @@
 //! The tangent, and what follows from it: updates, and derivatives with respect to the inputs.
 
-use super::{LinearizationPoint, Point, Rates, StoredVolumes, System, moves, surface_speeds};
+use super::{Rates, State, StoredVolumes, System, moves, surface_speeds};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
@@ -39,21 +39,6 @@ impl Direction {
     }
 }
 
-/// A solution, where derivatives are taken.
-#[derive(Debug, Clone, Copy)]
-pub struct At<'a> {
-    /// The unknowns.
-    pub unknowns: &'a [f64],
-    /// Stations in contact.
-    pub active: &'a [bool],
-    /// Force of contact at each station \[N/m\].
-    pub contact_forces: &'a [f64],
-    /// The inputs.
-    pub inputs: &'a Inputs,
-    /// History terms of the time integration.
-    pub rates: Option<&'a Rates>,
-}
-
 /// What changes a solution.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Perturbation {
@@ -90,13 +75,6 @@ impl Change {
     }
 }
 
-impl At<'_> {
-    /// Distance of the surfaces at a station \[m\].
-    pub fn gap(&self, system: &System, station: usize) -> f64 {
-        self.unknowns[system.layout.gap[station] as usize]
-    }
-}
-
 impl System {
     /// Factorises on up to this many threads; a single one unless told otherwise. The results are the same bits.
     pub fn set_threads(&mut self, threads: usize) {
@@ -108,23 +86,15 @@ impl System {
         self.linear.set_deadline(deadline);
     }
 
-    /// Factorises the tangent at these unknowns.
+    /// Factorises the tangent at a state.
     ///
     /// # Errors
     /// [`Singular`] where elimination breaks down.
-    pub fn factorise_at(
-        &mut self,
-        unknowns: &[f64],
-        active: &[bool],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-    ) -> Result<(), Singular> {
+    pub fn factorise_at(&mut self, state: &State) -> Result<(), Singular> {
         let Self { linear, .. } = self;
         // The factorisation is taken out while the rest of the system fills it.
         let mut linear = std::mem::replace(linear, Multifrontal::empty());
-        let result = linear.factorise(&self.layout.cells, |cell, matrix| {
-            self.cell_tangent(cell, unknowns, active, inputs, rates, matrix);
-        });
+        let result = linear.factorise(&self.layout.cells, |cell, matrix| self.cell_tangent(cell, state, matrix));
         self.linear = linear;
         result
     }
@@ -136,15 +106,10 @@ impl System {
     /// [`Singular`] where the answer is not finite, or wrong.
     pub fn solve(&self, right_hand_sides: &mut [f64]) -> Result<(), Singular> {
         let here = (self.contact_half_width, self.thickening);
-        match self
-            .linearization()
-            .filter(|linearization| (linearization.point.contact_half_width, linearization.point.thickening) == here)
-        {
-            Some(LinearizationPoint { point: Point { unknowns, active, inputs, .. }, rates }) => {
-                self.linear.solve_refined(right_hand_sides, &self.layout.cells, |cell, matrix| {
-                    self.cell_tangent(cell, unknowns, active, inputs, rates.as_ref(), matrix);
-                })
-            }
+        match self.linearization().filter(|state| (state.contact_half_width, state.thickening) == here) {
+            Some(state) => self.linear.solve_refined(right_hand_sides, &self.layout.cells, |cell, matrix| {
+                self.cell_tangent(cell, state, matrix);
+            }),
             None => self.linear.solve(right_hand_sides),
         }
     }
@@ -203,15 +168,9 @@ impl System {
     }
 
     /// Matrix of a cell over its unknowns: tissue, film, and contact by rows and columns.
-    fn cell_tangent(
-        &self,
-        cell: usize,
-        unknowns: &[f64],
-        active: &[bool],
-        inputs: &Inputs,
-        rates: Option<&Rates>,
-        matrix: &mut [f64],
-    ) {
+    fn cell_tangent(&self, cell: usize, state: &State, matrix: &mut [f64]) {
+        let State { unknowns, active, inputs, .. } = state;
+        let rates = state.rates.as_ref();
         let (body, element) = self.layout.body_and_element(cell);
         let layer = &self.layers[body];
         let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -290,7 +249,7 @@ impl System {
     ///
     /// # Errors
     /// [`Singular`] where the answer is not finite.
-    pub fn sensitivities(&self, at: At<'_>, perturbations: Vec<Perturbation>) -> Result<Vec<Change>, Singular> {
+    pub fn sensitivities(&self, at: &State, perturbations: Vec<Perturbation>) -> Result<Vec<Change>, Singular> {
         let n = self.unknowns();
         let mut columns = vec![0.0; perturbations.len() * n];
         for (perturbation, values) in perturbations.iter().zip(columns.chunks_exact_mut(n)) {
@@ -302,10 +261,10 @@ impl System {
             self.add_by_inputs(at, &direction, values);
             values.iter_mut().zip(&perturbation.residual).for_each(|(value, change)| *value += change);
             if let Some(history) = &perturbation.history {
-                self.add_storage(at.unknowns, at.inputs, history, values);
+                self.add_storage(at, history, values);
             }
-            let contact = self.contact(at.inputs);
-            let speeds = direction.surface_speeds(at.inputs);
+            let contact = self.contact(&at.inputs);
+            let speeds = direction.surface_speeds(&at.inputs);
             for i in (0..at.active.len()).filter(|i| at.active[*i]) {
                 let gap = self.layout.gap[i] as usize;
                 let change = contact.friction * self.copies() * self.cosine[i] * values[gap]
@@ -326,7 +285,7 @@ impl System {
     }
 
     /// Change of the contact forces along a change of unknowns and penetration depth \[N/m\].
-    fn contact_force_change(&self, at: At<'_>, change: &[f64], penetration_depth: f64) -> Vec<f64> {
+    fn contact_force_change(&self, at: &State, change: &[f64], penetration_depth: f64) -> Vec<f64> {
         let mut values = vec![0.0; self.unknowns()];
         for (body, layer) in self.layers.iter().enumerate() {
             for column in 0..layer.mesh.columns {
@@ -334,11 +293,11 @@ impl System {
                     continue;
                 }
                 let element = column * layer.mesh.rows;
-                let local_at = self.local(body, element, at.unknowns, at.inputs.penetration_depth);
+                let local_at = self.local(body, element, &at.unknowns, at.inputs.penetration_depth);
                 let local_change = self.local_change(body, element, change, penetration_depth);
                 let mut local = [0.0; LOCAL];
                 add_product(
-                    &self.element_tangent(body, element, &local_at, at.inputs, None),
+                    &self.element_tangent(body, element, &local_at, &at.inputs, None),
                     &local_change,
                     &mut local,
                 );
@@ -350,7 +309,7 @@ impl System {
     }
 
     /// Change of the load per unit depth along a change of the unknowns alone \[N/m\].
-    pub fn load_along(&self, at: At<'_>, change: &[f64]) -> f64 {
+    pub fn load_along(&self, at: &State, change: &[f64]) -> f64 {
         let change = Change {
             contact_forces: self.contact_force_change(at, change, 0.0),
             unknowns: change.to_vec(),
@@ -361,13 +320,13 @@ impl System {
     }
 
     /// Load per unit depth \[N/m\].
-    pub fn load(&self, at: At<'_>) -> f64 {
+    pub fn load(&self, at: &State) -> f64 {
         self.loads(at, &Change::none(self.unknowns(), self.stations.len())).total().re
     }
 
     /// Adds the derivative of the residual before contact along a change of the inputs.
-    fn add_by_inputs(&self, at: At<'_>, direction: &Direction, values: &mut [f64]) {
-        let At { unknowns, inputs, rates, .. } = at;
+    fn add_by_inputs(&self, at: &State, direction: &Direction, values: &mut [f64]) {
+        let (unknowns, inputs, rates) = (&at.unknowns, &at.inputs, at.rates.as_ref());
         let speeds = direction.surface_speeds(inputs);
         let none = vec![0.0; self.unknowns()];
         let contact = self.contact(inputs);
@@ -413,14 +372,14 @@ impl System {
 
     /// Fluid that flows from the bodies into the film at each station, V times weight \[m^2/s\], from the film's balance; and its
     /// change. Where the film ends with a given pressure there is no balance, and it counts as none.
-    pub fn film_outflow(&self, at: At<'_>, change: &Change) -> Vec<[f64; 2]> {
+    pub fn film_outflow(&self, at: &State, change: &Change) -> Vec<[f64; 2]> {
         let mut outflow = vec![[0.0; 2]; self.stations.len()];
-        let (speeds, faster) = (surface_speeds(at.inputs), change.inputs.surface_speeds(at.inputs));
+        let (speeds, faster) = (surface_speeds(&at.inputs), change.inputs.surface_speeds(&at.inputs));
         for column in 0..self.layers[0].mesh.columns {
-            let values = self.film_local(column, at.unknowns);
+            let values = self.film_local(column, &at.unknowns);
             let local = self.film_local(column, &change.unknowns);
             let length = self.film_length(column);
-            let terms = self.film.element(length, &values, speeds, &self.mass_rate(at.rates, column));
+            let terms = self.film.element(length, &values, speeds, &self.mass_rate(at.rates.as_ref(), column));
             let stored = change.history.as_ref().map_or([0.0; 3], |h| self.film.storage(&h.film[column]));
             for a in 0..3 {
                 let moved: f64 = terms.tangent[a].iter().zip(local).map(|(t, c)| t * c).sum();
@@ -433,7 +392,7 @@ impl System {
             (outflow[0], outflow[last]) = ([0.0; 2], [0.0; 2]);
         }
         let levels = self.layers[0].mesh.levels();
-        for (station, end) in self.film_outflows(at.unknowns, at.inputs, at.rates) {
+        for (station, end) in self.film_outflows(&at.unknowns, &at.inputs, at.rates.as_ref()) {
             let changed = |number: u32| change.unknowns[number as usize];
             let gap = changed(self.layout.gap[station]);
             let pressure = changed(self.layout.pressure[0][station * levels]);

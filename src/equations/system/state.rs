@@ -1,0 +1,137 @@
+//! A state of the equations: the unknowns and all that they belong to.
+
+use serde::{Deserialize, Serialize};
+
+use super::System;
+use crate::fem::element::POINTS;
+use crate::parameters::{Control, Inputs};
+
+/// A state: a solution, the guess of one, or where a tangent was formed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The inputs, with the depth that was found where the load is given.
+    pub inputs: Inputs,
+    /// Time derivatives; none of a steady state.
+    pub rates: Option<Rates>,
+    /// Whether the lower body is the mirror image of the upper one.
+    pub mirrored: bool,
+    /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] \[m\].
+    pub contact_half_width: f64,
+    /// How many times its own viscosity the film has: 1 but on the way to a state.
+    pub thickening: f64,
+    /// The unknowns.
+    pub unknowns: Vec<f64>,
+    /// Stations in contact.
+    pub active: Vec<bool>,
+    /// Force of contact at each station, zero where there is none \[N/m\].
+    pub contact_forces: Vec<f64>,
+}
+
+impl State {
+    /// A guess for these inputs. Where the load is given the depth stays, as a guess too.
+    #[must_use]
+    pub fn guess_for(self, inputs: &Inputs, control: Control) -> Self {
+        let penetration_depth = match control {
+            Control::Depth => inputs.penetration_depth,
+            Control::Load => self.inputs.penetration_depth,
+        };
+        Self { inputs: Inputs { penetration_depth, ..*inputs }, ..self }
+    }
+
+    /// Whether smooth surfaces touch.
+    pub fn touches(&self) -> bool {
+        self.active.contains(&true)
+    }
+
+    /// Distance of the surfaces at a station \[m\].
+    pub fn gap(&self, system: &System, station: usize) -> f64 {
+        self.unknowns[system.layout.gap[station] as usize]
+    }
+}
+
+/// A solved state with its equations, which are on its mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct Solved<'a> {
+    /// The equations.
+    pub system: &'a System,
+    /// The solution.
+    pub state: &'a State,
+}
+
+/// Time derivatives by a difference formula, d/dt = rate * present value + history, seen from a mesh that may move; steady has none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rates {
+    /// Factor of the present value \[1/s\].
+    pub rate: f64,
+    /// The rest of the derivatives of what is stored.
+    pub history: StoredVolumes,
+}
+
+/// What time derivatives are taken of, at the quadrature points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StoredVolumes {
+    /// Change of volume (J - 1) dA in every element of every body \[m^2\].
+    pub volume: Vec<Vec<[f64; POINTS]>>,
+    /// Fluid r h of the film times the length of its element \[m^2\].
+    pub film: Vec<[f64; 3]>,
+    /// Places of the stations, whose rates are the speed of the mesh \[m\].
+    pub stations: Vec<f64>,
+}
+
+impl StoredVolumes {
+    /// a * self + b * other, value by value.
+    pub fn combined(&self, a: f64, b: f64, other: &Self) -> Self {
+        let mix = |x: f64, y: f64| a * x + b * y;
+        Self {
+            volume: self
+                .volume
+                .iter()
+                .zip(&other.volume)
+                .map(|(x, y)| x.iter().zip(y).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect())
+                .collect(),
+            film: self.film.iter().zip(&other.film).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect(),
+            stations: self.stations.iter().zip(&other.stations).map(|(x, y)| mix(*x, *y)).collect(),
+        }
+    }
+
+    /// a * self.
+    pub fn scaled(&self, a: f64) -> Self {
+        self.combined(a, 0.0, self)
+    }
+}
+
+impl Rates {
+    /// Derivatives that are known already.
+    pub fn known(derivatives: StoredVolumes) -> Self {
+        Self { rate: 0.0, history: derivatives }
+    }
+
+    /// d/dt of these stored volumes.
+    pub fn of(&self, stored_volumes: &StoredVolumes) -> StoredVolumes {
+        self.history.combined(1.0, self.rate, stored_volumes)
+    }
+
+    /// d/dt = (present - before) / step.
+    pub fn backward_euler(step: f64, before: &StoredVolumes) -> Self {
+        Self { rate: 1.0 / step, history: before.scaled(-1.0 / step) }
+    }
+}
+
+impl System {
+    /// Whether a state is one of these equations, on any mesh.
+    pub fn admits(&self, state: &State) -> bool {
+        let stations = self.stations.len();
+        let stored = |volumes: &StoredVolumes| {
+            volumes.stations.len() == stations
+                && volumes.film.len() == (stations - 1) / 2
+                && volumes.volume.iter().map(Vec::len).eq(self.layers.iter().map(|layer| layer.mesh.elements()))
+        };
+        state.mirrored == self.mirrored()
+            && state.contact_half_width.is_finite()
+            && state.contact_half_width >= 0.0
+            && state.unknowns.len() == self.unknowns()
+            && state.active.len() == stations
+            && state.contact_forces.len() == stations
+            && state.rates.as_ref().is_none_or(|rates| stored(&rates.history))
+    }
+}
