@@ -120,8 +120,8 @@ target=universal2-apple-darwin
 if can_build darwin x86_64-apple-darwin aarch64-apple-darwin; then
     export MACOSX_DEPLOYMENT_TARGET=11.0
     build_library "$target" libcartilage_contact.dylib
-    # Both halves have to have them; the names are text in each.
-    strings -n 8 "$library" | sed 's/^_//' | has_functions "$target"
+    # Both halves have to have them: their symbols are text with an underscore in front, once a half.
+    strings -n 8 "$library" | grep -xE '_fmi[23][A-Z][A-Za-z0-9]+' | sort | uniq -d | sed 's/^_//' | has_functions "$target"
     left_out+=("a run of the darwin library: this is no macOS")
     libraries+=(--library "$library")
     platforms+=("macosx_11_0_universal2 $target $built/$target/release cartilage-contact $library")
