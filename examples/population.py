@@ -1,19 +1,17 @@
 """A population of virtual knees on Dask: how much do permeability, modulus, thickness and viscosity matter?
 
-Every knee is one instance of the FMU, pressed to one depth and swept over sliding speed. Knees that cannot be solved are
-kept with their message instead of ending the run; knees that are in the results already are not run again, so the same
-command resumes a run that was interrupted.
+Every knee is one instance of the FMU: the lateral side of examples/knee.toml with tissue and fluid of its own, under the largest load
+of walking at a body weight of 750 N, swept over sliding speed. Knees that cannot be solved are kept with their message instead of
+ending the run, and states that warn are counted; knees that are in the results already are not run again, so the same command
+resumes a run that was interrupted.
 
-    pip install fmpy "dask[distributed]" pyarrow matplotlib
+    pip install fmpy "dask[distributed]" pyarrow matplotlib      # and tomli before Python 3.11
     cargo run --release                                          # writes the FMU
-    python examples/population.py --knees 1000                   # all cores of this machine
+    python examples/population.py --knees 100                    # all cores of this machine
     python examples/population.py --knees 1000 --scheduler tcp://head:8786
 
 On a cluster the FMU and the results have to be on a disk that all workers see. Writes `population/knee_*.parquet`, one
 file a knee, and `population.png`.
-
-A mesh of 240 x 12 elements a body instead of 120 x 6 changes the load of the first ten knees by 1.4 % at most. It changes
-friction by 0.4 % in the median; by more where solid contact just begins, since it begins at a slightly other speed.
 
 Drawn uniformly, permeability and viscosity in their logarithms; both layers of a knee are alike:
 
@@ -22,18 +20,19 @@ Drawn uniformly, permeability and viscosity in their logarithms; both layers of 
 | aggregate modulus | 0.48 to 1.58 MPa, Poisson's ratio 0 to 0.10 | human tibial plateau, PMC2858459; Athanasiou et al. 1991 as later papers quote it |
 | hydraulic permeability | 1.18e-15 to 7.6e-15 m4/(N s) | Athanasiou et al. 1991 as later papers quote it; published biphasic test case |
 | thickness | 1.78 to 2.3 mm | as permeability |
-| viscosity | 1e-3 to 1e-2 Pa s | assumed: water to synovial fluid at the high shear of a thin film |
+| viscosity of the film | 1e-3 to 1e-2 Pa s | assumed: water to synovial fluid at the high shear of a thin film |
 """
 
 import io
 import os
 import tempfile
+import time
 from contextlib import redirect_stdout
 from pathlib import Path
 
-from start import FMU, needs, options, tell
+from start import FMU, TOML, joint_case, needs, options, set_values, tell
 
-needs("numpy", "fmpy", "dask", "distributed", "pyarrow", "matplotlib")
+needs("numpy", "fmpy", "dask", "distributed", "pyarrow", "matplotlib", TOML)
 
 import numpy as np
 import pyarrow
@@ -42,15 +41,18 @@ from dask.distributed import Client, LocalCluster, as_completed
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-DEPTH = 10e-6  # m
-SPEEDS = np.geomspace(0.03, 1e-4, 9)  # m/s, from thick films to thin ones
-OUTPUTS = ["load", "friction_coefficient", "sommerfeld_number", "minimum_film_thickness", "fluid_load_support"]
-# Tissue is nearly undrained: a thin boundary layer at its surface, and pressures one order below displacements.
+# N/m: 2.61 body weights on the knee, 0.4 of them on its lateral side, 25 mm wide (docs/gait.md).
+LOAD = 0.4 * 2.61 * 750 / 0.025
+SPEEDS = np.geomspace(0.1, 1e-3, 6)  # m/s
+OUTPUTS = [
+    "penetration_depth_result", "load", "friction_coefficient", "sommerfeld_number", "minimum_film_thickness", "film_parameter",
+    "fluid_load_support",
+]  # fmt: skip
+#: Beside the case of the knee. The femur rolls back by 5.2 mm in 58 degrees, so that the tibia's surface moves at 0.16 of its speed.
 NUMERICS = {
-    "formulation": 2, "mesh.columns": 120, "mesh.rows": 6, "mesh.column_grading": 3.0, "mesh.row_grading": 5.0,
-    "mesh.pressure_order": 1, "boundary_friction_loads_tissue": False,
+    "control": "load", "slide_to_roll_ratio": 0.72, "mesh.columns": 48, "mesh.rows": 6,
     # Far below the slowest speed, so that boundary friction is mobilised in full.
-    "friction_regularisation_speed": 1e-6,
+    "friction_regularisation_speed": 1e-5,
 }  # fmt: skip
 
 
@@ -63,17 +65,26 @@ def draw_knee(number: int) -> dict:
     return {
         "shear_modulus": modulus * (1 - 2 * poisson) / (2 * (1 - poisson)),
         "bulk_modulus": modulus * (1 + poisson) / (3 * (1 - poisson)),
-        # One viscosity serves film and pores, so that permeability over viscosity is what tests on tissue measure.
-        "permeability": hydraulic * viscosity,
+        # Of the water in the pores, so that permeability over viscosity is what tests on tissue measure.
+        "permeability": hydraulic * 1e-3,
         "thickness": random.uniform(1.78e-3, 2.3e-3),
         "viscosity": viscosity,
     }
 
 
+def memory() -> float:
+    """The most memory that this process has had so far [MB], where the system says it."""
+    try:
+        import resource
+    except ImportError:
+        return float("nan")
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
 def run_knee(number: int, fmu: str, folder: str, numerics: dict, speeds) -> tuple[int, str]:
     """Sweeps one knee and writes its file; returns its number and what went wrong, if anything."""
-    knee, rows, log = draw_knee(number), [], io.StringIO()
-    # FMPy prints what the FMU logs: why a call was refused or a step not done.
+    knee, rows, log, begin = draw_knee(number), [], io.StringIO(), time.process_time()
+    # FMPy prints what the FMU logs: warnings, why a call was refused or a step not done.
     with tempfile.TemporaryDirectory() as unpacked, redirect_stdout(log):
         extract(fmu, unzipdir=unpacked)
         description = read_model_description(fmu)
@@ -85,37 +96,34 @@ def run_knee(number: int, fmu: str, folder: str, numerics: dict, speeds) -> tupl
         problem = ""
         try:
             contact.instantiate()
-            setters = {bool: contact.setBoolean, int: contact.setInteger}
             tissue = {f"{body}.{name}": value for body in ("upper", "lower") for name, value in knee.items()
                       if name != "viscosity"}  # fmt: skip
-            tissue |= {"upper.biot_coefficient": 1.0, "lower.biot_coefficient": 1.0}
-            for name, value in ({"viscosity": knee["viscosity"]} | tissue | numerics).items():
-                setters.get(type(value), contact.setReal)([references[name]], [value])
+            start = {"viscosity": knee["viscosity"], "applied_load": LOAD, "sliding_speed": float(speeds[0])}
+            set_values(contact, description, joint_case("knee") | tissue | start | numerics)
             contact.setupExperiment(startTime=0.0)
-            # Only the femur slides: boundary friction has a direction.
-            contact.setReal([references[name] for name in ("sliding_speed", "slide_to_roll_ratio")], [float(speeds[0]), 1.0])
             contact.enterInitializationMode()
             contact.exitInitializationMode()
-            for time, speed in enumerate(speeds):
-                inputs = [references["penetration_depth"], references["sliding_speed"]]
-                contact.setReal(inputs, [DEPTH, float(speed)])
-                contact.doStep(float(time), 1.0)
+            for step, speed in enumerate(speeds):
+                contact.setReal([references["sliding_speed"]], [float(speed)])
+                contact.doStep(float(step), 1.0)
                 values = contact.getReal([references[name] for name in OUTPUTS])
-                rows.append(dict(zip(OUTPUTS, values)) | {"sliding_speed": float(speed)})
+                resolved = bool(contact.getBoolean([references["well_resolved"]])[0])
+                rows.append(dict(zip(OUTPUTS, values)) | {"well_resolved": resolved, "sliding_speed": float(speed)})
         except Exception as error:
             problem = f"{error} {log.getvalue()}".strip()
         finally:
             contact.freeInstance()
     # A knee without a single answer has one row without results, so that it is neither lost nor run again.
-    rows = rows or [dict.fromkeys([*OUTPUTS, "sliding_speed"], float("nan"))]
-    table = pyarrow.Table.from_pylist([{"knee": number, **knee, **row, "problem": problem} for row in rows])
+    rows = rows or [dict.fromkeys([*OUTPUTS, "sliding_speed"], float("nan")) | {"well_resolved": False}]
+    cost = {"processor_seconds": time.process_time() - begin, "memory": memory()}
+    table = pyarrow.Table.from_pylist([{"knee": number, **knee, **row, **cost, "problem": problem} for row in rows])
     unfinished = Path(folder) / f"knee_{number:05}.parquet.unfinished"
     pyarrow.parquet.write_table(table, unfinished)
     unfinished.rename(unfinished.with_suffix(""))
     return number, problem
 
 
-def main(knees=1000, fmu=FMU, folder="population", picture="population.png", scheduler=None, workers=None,
+def main(knees=100, fmu=FMU, folder="population", picture="population.png", scheduler=None, workers=None,
          numerics=None, speeds=SPEEDS):  # fmt: skip
     """The results as a table, a row a knee and speed; also those of knees that failed half way."""
     fmu, folder = str(Path(fmu).resolve()), Path(folder).resolve()
@@ -142,8 +150,6 @@ def main(knees=1000, fmu=FMU, folder="population", picture="population.png", sch
     if not tables:
         raise SystemExit("no knee was run: see what the workers say above")
     table = pyarrow.concat_tables(tables)
-    failed = {row["knee"] for row in table.select(["knee", "problem"]).to_pylist() if row["problem"]}
-    print(f"{len(set(table['knee'].to_pylist()))} knees, {len(failed)} of them with a problem")
     summarise(table)
     if picture:
         draw(table, picture)
@@ -151,53 +157,62 @@ def main(knees=1000, fmu=FMU, folder="population", picture="population.png", sch
 
 
 def summarise(table):
-    """Prints friction and the share of knees in solid contact at each speed."""
-    rows = [row for row in table.to_pylist() if not row["problem"]]
-    print("sliding speed [mm/s]   friction coefficient: 5th, 50th, 95th percentile   in solid contact")
-    for speed in sorted({row["sliding_speed"] for row in rows}, reverse=True):
-        here = [row for row in rows if row["sliding_speed"] == speed]
-        low, middle, high = np.percentile([row["friction_coefficient"] for row in here], [5, 50, 95])
-        touching = np.mean([row["minimum_film_thickness"] <= 0 for row in here])
-        print(f"{1e3 * speed:20.2f}   {low:34.4f}   {middle:.4f}   {high:.4f}   {touching:16.0%}")
+    """Prints what failed and what it cost, and friction and the fluid's share of the load at each speed."""
+    rows = table.to_pylist()
+    knees = {row["knee"]: row for row in rows}
+    failed = [knee for knee, row in knees.items() if row["problem"]]
+    good = [row for row in rows if not row["problem"]]
+    warned = sum(not row["well_resolved"] for row in good)
+    print(f"{len(knees)} knees, {len(failed)} of them with a problem; {warned} of {len(good)} states with a warning of their resolution")
+    seconds = np.mean([row["processor_seconds"] for row in knees.values()])
+    size = [row["memory"] for row in knees.values()]
+    print(f"{seconds:.1f} s of processor time a knee, {3600 / seconds:.0f} knees an hour and core; largest memory of a worker "
+          f"{min(size):.0f} MB after its first knees, {max(size):.0f} MB in the end")  # fmt: skip
+    print("sliding speed [mm/s]   friction coefficient: 5th, 50th, 95th percentile   fluid's share of the load: the same")
+    for speed in sorted({row["sliding_speed"] for row in good}, reverse=True):
+        here = [row for row in good if row["sliding_speed"] == speed]
+        friction, share = (
+            np.percentile([row[name] for row in here], [5, 50, 95]) for name in ("friction_coefficient", "fluid_load_support")
+        )
+        numbers = "   ".join(f"{value:.4f}" for value in friction)
+        print(f"{1e3 * speed:20.2f}   {numbers:>50}   {'   '.join(f'{value:.3f}' for value in share)}")
 
 
 def draw(table, picture):
-    """Friction against the Sommerfeld number: a line a knee, and percentiles over all knees."""
+    """Friction and the fluid's share over sliding speed: a line a knee, and percentiles over all knees."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
     rows = [row for row in table.to_pylist() if not row["problem"]]
+    failed = len({row["knee"] for row in table.select(["knee", "problem"]).to_pylist() if row["problem"]})
     knees = {}
     for row in rows:
-        knees.setdefault(row["knee"], []).append((row["sommerfeld_number"], row["friction_coefficient"]))
+        knees.setdefault(row["knee"], []).append((1e3 * row["sliding_speed"], row["friction_coefficient"], row["fluid_load_support"]))
     curves = [np.array(sorted(curve)) for curve in knees.values()]
-    low, high = (function(curve[end, 0] for curve in curves) for function, end in ((min, 0), (max, -1)))
-    numbers = np.geomspace(low, high, 60)
-    friction = np.array([
-        np.exp(np.interp(np.log(numbers), np.log(x), np.log(y), left=np.nan, right=np.nan)) for x, y in (c.T for c in curves)
-    ])  # fmt: skip
-    enough = np.isfinite(friction).sum(axis=0) >= max(2, len(curves) // 5)
-    numbers, friction = numbers[enough], friction[:, enough]
-    p5, p25, p50, p75, p95 = np.nanpercentile(friction, [5, 25, 50, 75, 95], axis=0)
-    figure, axis = plt.subplots(figsize=(7, 4.6), layout="constrained")
-    for curve in curves:
-        axis.loglog(*curve.T, color="grey", linewidth=0.4, alpha=min(0.5, 100 / len(curves)))
-    axis.fill_between(numbers, p5, p95, color="#56B4E9", alpha=0.4, label="5th to 95th percentile")
-    axis.fill_between(numbers, p25, p75, color="#0072B2", alpha=0.5, label="25th to 75th percentile")
-    axis.loglog(numbers, p50, color="black", linewidth=2, label="median")
-    axis.set_xlabel("Sommerfeld number, viscosity × speed / load [1]")
-    axis.set_ylabel("friction coefficient [1]")
-    axis.set_title(f"{len(curves)} virtual knees, pressed {1e6 * DEPTH:g} µm", loc="left")
-    axis.grid(alpha=0.3, which="both")
-    axis.legend(frameon=False)
+    whole = np.array([curve for curve in curves if len(curve) == max(map(len, curves))])
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.4), layout="constrained")
+    for axis, column, label in zip(axes, (1, 2), ("friction coefficient [1]", "fluid's share of the load [1]")):
+        for curve in curves:
+            axis.plot(curve[:, 0], curve[:, column], color="grey", linewidth=0.4, alpha=min(0.6, 100 / len(curves)))
+        p5, p25, p50, p75, p95 = np.percentile(whole[:, :, column], [5, 25, 50, 75, 95], axis=0)
+        axis.fill_between(whole[0, :, 0], p5, p95, color="#56B4E9", alpha=0.4, label="5th to 95th percentile")
+        axis.fill_between(whole[0, :, 0], p25, p75, color="#0072B2", alpha=0.5, label="25th to 75th percentile")
+        axis.plot(whole[0, :, 0], p50, color="black", linewidth=2, label="median")
+        axis.set_xscale("log")
+        axis.set_xlabel("sliding speed [mm/s]")
+        axis.set_ylabel(label)
+        axis.grid(alpha=0.3, which="both")
+    axes[0].legend(frameon=False)
+    title = f"{len(curves)} virtual knees under {LOAD / 1e3:.1f} kN/m"
+    figure.suptitle(title + (f"; {failed} more failed" if failed else ""), x=0.01, ha="left")
     figure.savefig(picture, dpi=150)
     plt.close(figure)
 
 
 if __name__ == "__main__":
     chosen = options(
-        __doc__, knees=1000, folder="population", picture="population.png", scheduler=None, workers=os.cpu_count()
+        __doc__, knees=100, folder="population", picture="population.png", scheduler=None, workers=os.cpu_count()
     )
     main(**chosen)

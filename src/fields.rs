@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::equations::system::{Change, Layer, Solved, surface_speeds};
+use crate::equations::system::{Change, Layer, Solved};
 use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue};
 use crate::fem::element::{
     NODES, POINTS, SIMPSON, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
@@ -216,7 +216,7 @@ impl Solved<'_> {
         let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (x[thinnest + 1] - x[thinnest - 1]);
         let speed = self.state.inputs.sliding_speed;
         let (fluid, offset) = (&self.system.film().fluid, self.system.parameters().shear_film_offset);
-        let flux = reynolds_flux(fluid, film[thinnest], slope, surface_speeds(&self.state.inputs), offset);
+        let flux = reynolds_flux(fluid, film[thinnest], slope, self.state.inputs.surface_speeds(), offset);
         let known = flux.value - 0.5 * void[thinnest] * speed;
         let mut sum = 0.0;
         let added: Vec<f64> = outflow

@@ -316,6 +316,12 @@ impl Inputs {
         applied_load: 0.0,
     };
 
+    /// Speeds of the upper and of the lower surface along +x \[m/s\].
+    pub fn surface_speeds(&self) -> [f64; 2] {
+        let (u, s) = (self.sliding_speed, self.slide_to_roll_ratio);
+        [0.5 * u * (1.0 + s), 0.5 * u * (1.0 - s)]
+    }
+
     /// Component by component.
     pub fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         Self {

@@ -44,6 +44,11 @@ impl CaseArguments {
         Self { joint: if open { Some(name.into()) } else { self.joint.clone() }, ..self.clone() }
     }
 
+    /// The joint that was named.
+    pub fn joint(&self) -> Option<&str> {
+        self.joint.as_deref()
+    }
+
     /// The preset, then the joint or the case file, then what was set.
     pub fn load(&self) -> Result<Case, Failure> {
         let joint = JOINTS.into_iter().find(|(name, _)| self.joint.as_deref() == Some(*name));

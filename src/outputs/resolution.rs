@@ -2,7 +2,7 @@
 
 use super::Outputs;
 use crate::equations::grid;
-use crate::equations::system::{Change, Solved, surface_speeds};
+use crate::equations::system::{Change, Solved};
 use crate::parameters::Formulation;
 
 /// What can be said of a solution's resolution.
@@ -85,7 +85,7 @@ impl Solved<'_> {
         } else if system.half_width() - outermost < LEAST_MARGIN * system.thickness() {
             warnings.push("the sector ends within 2.5 thicknesses of where the pressure ends: depth and load may be off by some per cent, at one thickness by a fifth; a larger sector_half_angle, or 0 for a sector that goes with the contact (1.05 rad at most: wider contacts are beyond this model)".into());
         }
-        for (layer, speed) in system.layers.iter().zip(surface_speeds(&self.state.inputs)).filter(|_| !consistent) {
+        for (layer, speed) in system.layers.iter().zip(self.state.inputs.surface_speeds()).filter(|_| !consistent) {
             let body = if layer.side > 0.0 { &p.upper } else { &p.lower };
             let consolidation = p.hydraulic_permeability(body) * body.surface_aggregate_modulus();
             let passage = 2.0 * system.half_width() / speed.abs();
@@ -114,7 +114,7 @@ impl Solved<'_> {
         let pressed: Vec<f64> = x.iter().zip(&pressure).filter(|(_, p)| **p > 0.1 * largest).map(|(x, _)| *x).collect();
         let length = pressed.last().zip(pressed.first()).map_or(0.0, |(b, a)| b - a);
         let film = (0..system.stations.len()).map(|i| self.state.gap(system, i)).fold(f64::INFINITY, f64::min);
-        for (layer, speed) in system.layers.iter().zip(surface_speeds(inputs)).filter(|(_, speed)| *speed != 0.0) {
+        for (layer, speed) in system.layers.iter().zip(inputs.surface_speeds()).filter(|(_, speed)| *speed != 0.0) {
             let row = (layer.mesh.nodes[2][1] - layer.mesh.nodes[0][1])
                 .hypot(layer.mesh.nodes[2][0] - layer.mesh.nodes[0][0]);
             let body = if layer.side > 0.0 { &p.upper } else { &p.lower };

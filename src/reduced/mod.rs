@@ -18,7 +18,6 @@ use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
 use crate::equations::grid::half_width;
-use crate::equations::system::surface_speeds;
 use crate::error::Error;
 use crate::laws::contact::mobilised_friction;
 use crate::outputs::{Derived, Direct, Outputs, RESULTS, STATIONS, profile_stations};
@@ -349,7 +348,7 @@ impl std::fmt::Display for ReducedModel {
 /// Friction of solid on solid over the solid load, and its derivatives with respect to the three inputs.
 fn boundary_friction(p: &Parameters, inputs: &Inputs) -> [f64; 4] {
     let (mobilised, slopes) =
-        mobilised_friction(p.formulation, surface_speeds(inputs), p.friction_regularisation_speed);
+        mobilised_friction(p.formulation, inputs.surface_speeds(), p.friction_regularisation_speed);
     let (u, s) = (inputs.sliding_speed, inputs.slide_to_roll_ratio);
     let by_speed = 0.5 * ((1.0 + s) * slopes[0] + (1.0 - s) * slopes[1]);
     let by_ratio = 0.5 * u * (slopes[0] - slopes[1]);

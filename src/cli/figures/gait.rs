@@ -39,7 +39,7 @@ fn draw(canvas: &dyn Canvas, transient: &[State], steady: &[State]) -> Result<()
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("A walking cycle", (40.0, 22.0), &title)?;
     let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
-    let text = "Load and speed are given, depth follows: in time, when the cycle repeats; and as the steady state of every instant. \
+    let text = "Load and speed are given, depth follows: in time, when the cycle repeats; and as steady states. \
                 Dotted: sliding turns.";
     canvas.text(text, (40.0, 62.0), &subtitle)?;
     let panels = panels(transient, steady);
@@ -58,6 +58,18 @@ fn draw(canvas: &dyn Canvas, transient: &[State], steady: &[State]) -> Result<()
 fn line(states: &[State], label: &str, colour: RGBColor, dashed: bool, get: impl Fn(&State) -> f64) -> Line {
     let points = states.iter().map(|state| (state.phase, get(state))).collect();
     Line { label: label.into(), points, colour, dashed }
+}
+
+/// A line with gaps where there is no state for longer than a step.
+fn broken(line: Line, step: f64) -> Line {
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for point in line.points {
+        if let Some(last) = points.last().filter(|last| point.0 - last.0 > 1.5 * step) {
+            points.push((last.0, f64::NAN));
+        }
+        points.push(point);
+    }
+    Line { points, ..line }
 }
 
 fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
@@ -87,6 +99,7 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
     };
     let both = |get: &dyn Fn(&State) -> f64| {
         let dashed = line(steady, "quasi-steady", palette::VERMILION, true, get);
+        let dashed = broken(dashed, period / (transient.len().max(2) - 1) as f64);
         let lines = vec![dashed, line(transient, "in time", palette::BLUE, false, get)];
         lines.into_iter().filter(|line| !line.points.is_empty()).collect()
     };

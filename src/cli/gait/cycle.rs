@@ -1,9 +1,10 @@
-//! What a joint does in one cycle of walking: load and sliding speed at equal steps of time, stylised or from a file.
+//! What a joint does in one cycle of walking: load and sliding speed at equal steps of time, published or from a file.
 
 use std::path::Path;
 
 use cartilage_contact::error::Error;
 use cartilage_contact::parameters::{Inputs, Parameters, Value};
+use cartilage_contact::units::Unit;
 use cartilage_contact::variables;
 
 /// Load and sliding speed over one cycle. The last point repeats the first.
@@ -17,188 +18,302 @@ pub struct Cycle {
     pub speed: Vec<f64>,
 }
 
-/// Seconds of a walking cycle, a round number: at 4 km/h a stride of 1.2 m.
-const PERIOD: f64 = 1.1;
-/// Largest hip contact force in body weights, walking at about 4 km/h: Bergmann et al., Journal of Biomechanics 34 (7), 859-871,
-/// 2001.
-pub const PEAK: f64 = 2.38;
+/// A cycle that comes with the program, in the manner of a standard for the wear of prostheses; its file says what is from where.
+pub struct Published {
+    /// Name of the joint.
+    pub joint: &'static str,
+    /// Name and text of the file in `examples`.
+    file: (&'static str, &'static str),
+    /// What turns flexion into sliding \[m\].
+    pub radius: f64,
+    /// Largest force in walking, in body weights, over that of the contact that is modelled.
+    pub peak: f64,
+}
 
-/// Hip contact force: share of the cycle from heel strike, body weights. The first peak is the published one; the valley, the
-/// second peak and the low load of the swinging leg are round numbers in its proportions.
-const LOAD: [(f64, f64); 5] = [(0.15, PEAK), (0.31, 1.5), (0.48, 2.1), (0.70, 0.25), (0.95, 0.25)];
-/// Hip flexion: share of the cycle, degrees. Extended by 10 degrees late in stance, flexed by 30 late in swing: usual textbook
-/// values, such as in Perry and Burnfield, Gait Analysis, 2010.
-const FLEXION: [(f64, f64); 2] = [(0.52, -10.0), (0.95, 30.0)];
+/// The first is walked where no joint is named.
+pub const PUBLISHED: [Published; 2] = [
+    Published {
+        joint: "hip",
+        file: ("gait_hip.csv", include_str!("../../../examples/gait_hip.csv")),
+        // Head of the femur.
+        radius: 0.024,
+        // Walking at about 4 km/h: Bergmann et al., Journal of Biomechanics 34 (7), 859-871, 2001.
+        peak: 2.38,
+    },
+    Published {
+        joint: "knee",
+        file: ("gait_knee.csv", include_str!("../../../examples/gait_knee.csv")),
+        // Lateral condyle in extension: see examples/knee.toml.
+        radius: 0.032,
+        // The whole knee: Kutzner et al., Journal of Biomechanics 43 (11), 2164-2173, 2010, as quoted. The lateral side takes 20 to 40 %
+        // of it (as quoted in PMC2965044).
+        peak: 0.4 * 2.61,
+    },
+];
 
-/// A periodic curve that goes from extreme to extreme in half cosine waves: its value, and its rate per cycle.
-fn through(extremes: &[(f64, f64)], share: f64) -> (f64, f64) {
-    let next = extremes.iter().position(|extreme| extreme.0 > share);
-    let end = next.unwrap_or(0);
-    let start = (end + extremes.len() - 1) % extremes.len();
-    let ((from, low), (to, high)) = (extremes[start], extremes[end]);
-    // Between the last extreme of a cycle and the first of the next.
-    let length = (to - from).rem_euclid(1.0);
-    let angle = std::f64::consts::PI * (share - from).rem_euclid(1.0) / length;
-    let half = 0.5 * (high - low);
-    (low + half * (1.0 - angle.cos()), half * angle.sin() * std::f64::consts::PI / length)
+/// What turns a table's force and flexion into load and speed.
+#[derive(Debug, Clone, Copy)]
+pub struct Scales {
+    /// Extent of the contact out of the plane \[m\].
+    pub width: f64,
+    /// Sliding speed over the rate of flexion \[m\].
+    pub radius: f64,
 }
 
 impl Cycle {
-    /// The stylised hip: this load \[N/m\] for every body weight, and the speed of a head of this radius \[m\].
-    pub fn stylised(load_per_body_weight: f64, radius: f64, steps: usize) -> Self {
-        let shares: Vec<f64> = (0..=steps).map(|step| (step % steps) as f64 / steps as f64).collect();
-        Self {
-            time: (0..=steps).map(|step| PERIOD * step as f64 / steps as f64).collect(),
-            load: shares.iter().map(|share| load_per_body_weight * through(&LOAD, *share).0).collect(),
-            speed: shares
-                .iter()
-                .map(|share| radius * through(&FLEXION, *share).1.to_radians() / PERIOD + 0.0)
-                .collect(),
-        }
+    /// A published cycle whose largest load is this \[N/m\].
+    ///
+    /// # Errors
+    /// As of [`Cycle::read`]; a test reads every file.
+    pub fn published(published: &Published, peak_load: f64, radius: f64, steps: usize) -> Result<Self, Error> {
+        let (file, text) = published.file;
+        // The width drops out.
+        let mut table = parse(file, text, Scales { width: 1.0, radius })?;
+        let largest = table.iter().map(|row| row.load).fold(f64::MIN_POSITIVE, f64::max);
+        table.iter_mut().for_each(|row| row.load *= peak_load / largest);
+        Ok(Self::through(&table, steps))
     }
 
-    /// Reads a table of `time`, `sliding_speed`, and `applied_load` or `force` (of a contact of this width): CSV, or an OpenSim
-    /// storage file (`.sto`, `.mot`). Linear between its rows.
+    /// Reads a table of `time`, of `applied_load` or `force`, and of `sliding_speed`, or `flexion` with or without `translation`: CSV,
+    /// or an OpenSim storage file (`.sto`, `.mot`). Linear between its rows.
     ///
     /// # Errors
     /// [`Error::File`] where it cannot be read, [`Error::Case`] with line and column of the first mistake.
-    pub fn read(path: &Path, width: f64, steps: usize) -> Result<Self, Error> {
+    pub fn read(path: &Path, scales: Scales, steps: usize) -> Result<Self, Error> {
         let file = path.display().to_string();
         match std::fs::read_to_string(path) {
-            Ok(text) => Self::parse(&file, &text, width, steps),
+            Ok(text) => Ok(Self::through(&parse(&file, &text, scales)?, steps)),
             Err(error) => Err(Error::File { path: file, message: format!("could not read the history: {error}") }),
         }
     }
 
-    fn parse(file: &str, text: &str, width: f64, steps: usize) -> Result<Self, Error> {
-        let mistake = |line: usize, message: String| Error::Case { file: file.into(), line, message };
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let storage = [".sto", ".mot"].iter().any(|ending| file.to_lowercase().ends_with(ending));
-        let lines = if storage { storage_lines(text) } else { csv_lines(text) };
-        let mut lines = lines.map_err(|(line, message)| mistake(line, message))?.into_iter();
-        let Some((line, head)) = lines.next() else {
-            return Err(mistake(1, "no columns: time, applied_load or force, sliding_speed".into()));
+    /// At equal steps of time, linear between the rows of a table.
+    fn through(table: &[Row], steps: usize) -> Self {
+        let period = table[table.len() - 1].time;
+        let time: Vec<f64> = (0..=steps).map(|step| period * step as f64 / steps as f64).collect();
+        let at = |time: f64, get: fn(&Row) -> f64| {
+            let end = table.partition_point(|row| row.time < time).clamp(1, table.len() - 1);
+            let [a, b] = [&table[end - 1], &table[end]];
+            let share = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
+            get(a) + share * (get(b) - get(a))
         };
-        if let [only] = &head[..]
-            && only.contains(';')
-        {
-            return Err(mistake(line, format!("columns are separated by `;`: {DIALECT}")));
+        Self {
+            load: time.iter().map(|time| at(*time, |row| row.load)).collect(),
+            speed: time.iter().map(|time| at(*time, |row| row.speed)).collect(),
+            time,
         }
-        if let Some(twice) =
-            (1..head.len()).find(|index| !head[*index].is_empty() && head[..*index].contains(&head[*index]))
-        {
-            return Err(mistake(line, format!("column `{}` is there twice: which one is meant?", head[twice])));
-        }
-        let find = |name: &str| head.iter().position(|column| column == name);
-        let missing = |name: &str| {
-            let columns = head.join(", ");
-            mistake(
-                line,
-                format!(
-                    "no column `{name}` among {columns}; time, applied_load or force, and sliding_speed are needed"
-                ),
-            )
-        };
-        let (load, divisor) = match (find("applied_load"), find("force")) {
-            (Some(column), None) => (column, 1.0),
-            (None, Some(column)) => (column, width),
-            (Some(_), Some(_)) => {
-                return Err(mistake(
-                    line,
-                    "columns `applied_load` [N/m] and `force` [N] are both there: one of them".into(),
-                ));
-            }
-            (None, None) => return Err(missing("applied_load")),
-        };
-        let columns = [find("time").ok_or_else(|| missing("time"))?, load]
-            .into_iter()
-            .chain([find("sliding_speed").ok_or_else(|| missing("sliding_speed"))?]);
-        let columns: Vec<usize> = columns.collect();
+    }
+}
 
-        let mut table: Vec<[f64; 3]> = Vec::new();
-        let mut last_line = line;
-        for (line, cells) in lines {
-            if cells.len() > head.len() {
-                let (count, columns) = (cells.len(), head.len());
-                return Err(mistake(line, format!("{count} values below {columns} columns: {DIALECT}")));
+/// A row of a history: seconds since the first, N/m, m/s.
+struct Row {
+    time: f64,
+    load: f64,
+    speed: f64,
+}
+
+/// A column that a history may have.
+#[derive(Clone, Copy, PartialEq)]
+struct Column {
+    name: &'static str,
+    unit: Unit,
+}
+
+const TIME: Column = Column { name: "time", unit: Unit::Second };
+const LOAD: Column = Column { name: "applied_load", unit: Unit::NewtonPerMetre };
+const FORCE: Column = Column { name: "force", unit: Unit::Newton };
+const SPEED: Column = Column { name: "sliding_speed", unit: Unit::MetrePerSecond };
+const FLEXION: Column = Column { name: "flexion", unit: Unit::Radian };
+const TRANSLATION: Column = Column { name: "translation", unit: Unit::Metre };
+
+/// A column that was found: where, and how many SI units one of its numbers is.
+struct Found {
+    column: Column,
+    place: usize,
+    scale: f64,
+}
+
+const NEEDED: &str = "time, applied_load or force, and sliding_speed or flexion are needed";
+
+/// The columns of a history, in the order of `values` in [`parse`]: time, load, and one or two of motion.
+fn find(head: &[String]) -> Result<Vec<Found>, String> {
+    let find = |column: Column| -> Result<Option<Found>, String> {
+        for (place, cell) in head.iter().enumerate() {
+            let (name, unit) = cell.split_once('[').map_or((cell.as_str(), None), |(name, unit)| (name, Some(unit)));
+            if name.trim() != column.name {
+                continue;
             }
-            let mut row = [0.0; 3];
-            for (value, &column) in row.iter_mut().zip(&columns) {
-                let cell = cells.get(column).map_or("", String::as_str);
-                let name = &head[column];
-                *value = cell.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-                    let decimal_comma = cell.replacen(',', ".", 1).parse::<f64>().is_ok();
-                    let allowed = if decimal_comma { DIALECT } else { "a finite number in SI units" };
-                    mistake(line, format!("column `{name}`: `{cell}` is not allowed: {allowed}"))
-                })?;
-            }
-            if row[1] <= 0.0 {
-                let (name, value) = (&head[load], row[1]);
-                return Err(mistake(
-                    line,
-                    format!("column `{name}`: {value} is not allowed: above 0, the surfaces stay together"),
-                ));
-            }
-            if let Some(before) = table.last().filter(|before| row[0] <= before[0]) {
-                let (value, before) = (row[0], before[0]);
-                return Err(mistake(
-                    line,
-                    format!("column `time`: {value} is not allowed: later than the row before, {before}"),
-                ));
-            }
-            row[1] /= divisor;
-            for (input, column) in [("applied_load", 1), ("sliding_speed", 2)] {
-                // The ranges of the table of variables.
-                variables::set(&mut Parameters::default(), &mut Inputs::default(), input, &Value::Real(row[column]))
-                    .map_err(|error| mistake(line, format!("column `{}`: {error}", head[columns[column]])))?;
-            }
-            table.push(row);
-            last_line = line;
+            let scale = match unit {
+                None => 1.0,
+                Some(unit) => {
+                    let unit = unit.trim_end().strip_suffix(']').unwrap_or(unit);
+                    column.unit.read(&format!("1 {unit}")).map_err(|why| {
+                        format!("column `{cell}`: {why}; allowed are {} and units of that kind", column.unit.name())
+                    })?
+                }
+            };
+            return Ok(Some(Found { column, place, scale }));
         }
-        let (Some(&first), Some(&last), true) = (table.first(), table.last(), table.len() >= 3) else {
-            let count = table.len();
-            return Err(mistake(last_line, format!("{count} rows are too few: 3 or more, of one whole cycle")));
-        };
-        let period = last[0] - first[0];
-        if !PERIODS.contains(&period) {
+        Ok(None)
+    };
+    let missing = |column: Column| {
+        let columns = head.join(", ");
+        format!("no column `{}` among {columns}; {NEEDED}", column.name)
+    };
+    let either = |one: Column, other: Column| match (find(one)?, find(other)?) {
+        (Some(found), None) | (None, Some(found)) => Ok(found),
+        (None, None) => Err(missing(one)),
+        (Some(_), Some(_)) => {
+            let [a, b] = [one, other].map(|column| format!("`{}` [{}]", column.name, column.unit.name()));
+            Err(format!("columns {a} and {b} are both there: one of them"))
+        }
+    };
+    let mut found = vec![find(TIME)?.ok_or_else(|| missing(TIME))?, either(LOAD, FORCE)?, either(SPEED, FLEXION)?];
+    if let Some(translation) = find(TRANSLATION)? {
+        if found[2].column == SPEED {
+            return Err("column `translation` goes with `flexion`; a `sliding_speed` has it already".into());
+        }
+        found.push(translation);
+    }
+    Ok(found)
+}
+
+/// The rate of a column at every row, of the parabola through it and its neighbours; the last row repeats the first.
+fn rates(table: &[(usize, [f64; 4])], column: usize) -> Vec<f64> {
+    let count = table.len() - 1;
+    let step = |row: usize| {
+        let [a, b] = [&table[row % count].1, &table[row % count + 1].1];
+        (b[0] - a[0], (b[column] - a[column]) / (b[0] - a[0]))
+    };
+    let rate = |row: usize| {
+        let [(before, left), (after, right)] = [step(row + count - 1), step(row)];
+        (left * after + right * before) / (before + after)
+    };
+    (0..=count).map(rate).collect()
+}
+
+/// The rows of one cycle, the last as the first.
+fn parse(file: &str, text: &str, scales: Scales) -> Result<Vec<Row>, Error> {
+    let mistake = |line: usize, message: String| Error::Case { file: file.into(), line, message };
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let storage = [".sto", ".mot"].iter().any(|ending| file.to_lowercase().ends_with(ending));
+    let lines = if storage { storage_lines(text) } else { csv_lines(text) };
+    let mut lines = lines.map_err(|(line, message)| mistake(line, message))?.into_iter();
+    let Some((line, head)) = lines.next() else {
+        return Err(mistake(1, format!("no columns: {NEEDED}")));
+    };
+    if let [only] = &head[..]
+        && only.contains(';')
+    {
+        return Err(mistake(line, format!("columns are separated by `;`: {DIALECT}")));
+    }
+    let name = |cell: &str| cell.split('[').next().unwrap_or_default().trim().to_owned();
+    let names: Vec<String> = head.iter().map(|cell| name(cell)).collect();
+    if let Some(twice) =
+        (1..names.len()).find(|index| !names[*index].is_empty() && names[..*index].contains(&names[*index]))
+    {
+        return Err(mistake(line, format!("column `{}` is there twice: which one is meant?", names[twice])));
+    }
+    let found = find(&head).map_err(|message| mistake(line, message))?;
+
+    let mut table: Vec<(usize, [f64; 4])> = Vec::new();
+    let mut last_line = line;
+    for (line, cells) in lines {
+        if cells.len() > head.len() {
+            let (count, columns) = (cells.len(), head.len());
+            return Err(mistake(line, format!("{count} values below {columns} columns: {DIALECT}")));
+        }
+        let mut values = [0.0; 4];
+        for (value, Found { place, scale, .. }) in values.iter_mut().zip(&found) {
+            let cell = cells.get(*place).map_or("", String::as_str);
+            let name = &head[*place];
+            let number = cell.parse().ok().map(|number: f64| number * scale).filter(|number| number.is_finite());
+            *value = number.ok_or_else(|| {
+                let decimal_comma = cell.replacen(',', ".", 1).parse::<f64>().is_ok();
+                let allowed =
+                    if decimal_comma { DIALECT } else { "a finite number, in SI units or as the column's head says" };
+                mistake(line, format!("column `{name}`: `{cell}` is not allowed: {allowed}"))
+            })?;
+        }
+        if values[1] <= 0.0 {
+            let (name, value) = (&head[found[1].place], values[1]);
+            return Err(mistake(
+                line,
+                format!("column `{name}`: {value} is not allowed: above 0, the surfaces stay together"),
+            ));
+        }
+        if let Some((_, before)) = table.last().filter(|(_, before)| values[0] <= before[0]) {
+            let (value, before) = (values[0], before[0]);
+            return Err(mistake(
+                line,
+                format!("column `time`: {value} is not allowed: later than the row before, {before}"),
+            ));
+        }
+        table.push((line, values));
+        last_line = line;
+    }
+    let (Some(&(_, first)), Some(&(_, last)), true) = (table.first(), table.last(), table.len() >= 3) else {
+        let count = table.len();
+        return Err(mistake(last_line, format!("{count} rows are too few: 3 or more, of one whole cycle")));
+    };
+    let period = last[0] - first[0];
+    if !PERIODS.contains(&period) {
+        return Err(mistake(
+            last_line,
+            format!(
+                "column `time`: a cycle of {period:e} s is not allowed: from {:e} to {:e} s; is the time in seconds?",
+                PERIODS.start(),
+                PERIODS.end()
+            ),
+        ));
+    }
+    for (column, found) in found.iter().enumerate().skip(1) {
+        let size = table.iter().map(|(_, row)| row[column].abs()).fold(0.0, f64::max);
+        if (last[column] - first[column]).abs() > CLOSED * size {
+            let name = &head[found.place];
+            let most = 100.0 * CLOSED;
             return Err(mistake(
                 last_line,
                 format!(
-                    "column `time`: a cycle of {period:e} s is not allowed: from {:e} to {:e} s; is the time in seconds?",
-                    PERIODS.start(),
-                    PERIODS.end()
+                    "column `{name}`: the last row ends a cycle and has to repeat the first, within {most} % of the largest value"
                 ),
             ));
         }
-        for column in [1, 2] {
-            let size = table.iter().map(|row| row[column].abs()).fold(0.0, f64::max);
-            if (last[column] - first[column]).abs() > CLOSED * size {
-                let name = &head[columns[column]];
-                let most = 100.0 * CLOSED;
-                return Err(mistake(
-                    last_line,
-                    format!(
-                        "column `{name}`: the last row ends a cycle and has to repeat the first, within {most} % of the largest value"
-                    ),
-                ));
-            }
+        if found.column == FLEXION && size > std::f64::consts::TAU {
+            let name = &head[found.place];
+            return Err(mistake(
+                line,
+                format!(
+                    "column `{name}`: {size} rad is more than a turn; write `flexion [deg]` where degrees are meant"
+                ),
+            ));
         }
-        if let Some(row) = table.last_mut() {
-            *row = [last[0], first[1], first[2]];
-        }
-        let time: Vec<f64> = (0..=steps).map(|step| period * step as f64 / steps as f64).collect();
-        let at = |time: f64, column: usize| {
-            let end = table.partition_point(|row| row[0] - first[0] < time).clamp(1, table.len() - 1);
-            let [a, b] = [table[end - 1], table[end]];
-            let share = ((time - (a[0] - first[0])) / (b[0] - a[0])).clamp(0.0, 1.0);
-            a[column] + share * (b[column] - a[column])
-        };
-        Ok(Self {
-            load: time.iter().map(|time| at(*time, 1)).collect(),
-            speed: time.iter().map(|time| at(*time, 2)).collect(),
-            time,
-        })
     }
+    if let Some((_, row)) = table.last_mut() {
+        *row = [last[0], first[1], first[2], first[3]];
+    }
+    let speed = match found[2].column == SPEED {
+        true => table.iter().map(|(_, row)| row[2]).collect(),
+        false => {
+            let [flexion, translation] = [2, 3].map(|column| rates(&table, column));
+            flexion
+                .iter()
+                .zip(translation)
+                .map(|(flexion, translation)| scales.radius * flexion + translation)
+                .collect::<Vec<_>>()
+        }
+    };
+    let width = if found[1].column == FORCE { scales.width } else { 1.0 };
+    let rows = table.iter().zip(speed).map(|((line, row), speed)| {
+        let load = row[1] / width;
+        for (input, value, column) in [("applied_load", load, &found[1]), ("sliding_speed", speed, &found[2])] {
+            // The ranges of the table of variables.
+            variables::set(&mut Parameters::default(), &mut Inputs::default(), input, &Value::Real(value))
+                .map_err(|error| mistake(*line, format!("column `{}`: {error}", head[column.place])))?;
+        }
+        Ok(Row { time: row[0] - first[0], load, speed })
+    });
+    rows.collect()
 }
 
 /// The cells of every line that has some, with its number.
@@ -256,43 +371,96 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
+    fn read(file: &str, text: &str, width: f64, steps: usize) -> Result<Cycle, Error> {
+        parse(file, text, Scales { width, radius: 0.03 }).map(|table| Cycle::through(&table, steps))
+    }
+
+    /// A periodic curve that goes from node to node in half cosine waves.
+    fn half_cosines(nodes: &[(f64, f64)], share: f64) -> f64 {
+        let end = nodes.iter().position(|node| node.0 > share).unwrap_or(0);
+        let ((from, low), (to, high)) = (nodes[(end + nodes.len() - 1) % nodes.len()], nodes[end]);
+        let angle = std::f64::consts::PI * (share - from).rem_euclid(1.0) / (to - from).rem_euclid(1.0);
+        low + 0.5 * (high - low) * (1.0 - angle.cos())
+    }
+
     #[test]
-    fn the_stylised_hip_has_two_peaks_and_turns_twice() {
-        let cycle = Cycle::stylised(100.0, 0.024, 200);
-        assert_eq!((cycle.time.len(), cycle.time[200]), (201, 1.1));
-        assert_eq!((cycle.load[0], cycle.speed[0]), (cycle.load[200], cycle.speed[200]));
-        let peaks: Vec<usize> =
-            (1..200).filter(|&i| cycle.load[i] > cycle.load[i - 1] && cycle.load[i] > cycle.load[i + 1]).collect();
-        assert_eq!(peaks, [30, 96]);
-        assert!((cycle.load[30] - 238.0).abs() < 1e-9 && (cycle.load[96] - 210.0).abs() < 1e-9);
-        assert!(cycle.load.iter().all(|load| *load >= 25.0 - 1e-9));
-        let turns = cycle.speed.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count();
-        assert_eq!(turns, 2);
-        // Out and back: flexion returns to where it was, and covers 40 degrees each way.
-        let way = |sign: f64| cycle.speed[1..].iter().map(|v| (sign * v).max(0.0) * 1.1 / 200.0).sum::<f64>();
-        let arc = 0.024 * 40_f64.to_radians();
-        assert!((way(1.0) - arc).abs() < 1e-3 * arc && (way(-1.0) - arc).abs() < 1e-3 * arc, "{} {arc}", way(1.0));
+    fn published_cycles_go_through_the_nodes_that_their_files_name() {
+        type Nodes<'a> = &'a [(f64, f64)];
+        let hip: [Nodes; 2] = [
+            &[(0.12, 3000.0), (0.32, 1500.0), (0.5, 3000.0), (0.62, 300.0), (1.0, 300.0)],
+            &[(0.0, 25.0), (0.5, -18.0)],
+        ];
+        let knee: [Nodes; 2] = [
+            &[(0.0, 168.0), (0.13, 2600.0), (0.28, 850.0), (0.45, 2433.0), (0.6, 168.0)],
+            &[(0.0, 0.0), (0.15, 15.0), (0.4, 5.0), (0.72, 58.0)],
+        ];
+        for (published, [force, flexion], glide) in [(&PUBLISHED[0], hip, 0.0), (&PUBLISHED[1], knee, 5.2e-3 / 58.0)] {
+            let peak = force.iter().map(|node| node.1).fold(0.0, f64::max);
+            let cycle = Cycle::published(published, peak, published.radius, 100).unwrap();
+            assert_eq!((cycle.time.len(), cycle.time[100]), (101, 1.0));
+            for (step, share) in cycle.time.iter().enumerate() {
+                let (load, expected) = (cycle.load[step], half_cosines(force, *share));
+                assert!(
+                    (load - expected).abs() < 0.06 * peak / 1000.0,
+                    "{} {step}: {load} {expected}",
+                    published.joint
+                );
+                let way = |share: f64| {
+                    let degrees = half_cosines(flexion, share.rem_euclid(1.0));
+                    published.radius * degrees.to_radians() + glide * degrees
+                };
+                // Over twice the interval: where two waves meet the rate is smooth, its own rate is not.
+                let expected = (way(share + 0.01) - way(share - 0.01)) / 0.02;
+                assert!((cycle.speed[step] - expected).abs() < 3e-4, "{step}: {} {expected}", cycle.speed[step]);
+            }
+            assert!(cycle.load[0] == cycle.load[100] && (cycle.speed[0] - cycle.speed[100]).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn flexion_and_translation_become_speed() {
+        // Sines, whose rates are known, at uneven instants.
+        let mut text = String::from("time [ms],force [kN],flexion [deg],translation [mm]\n");
+        for row in 0..=200 {
+            let share = f64::from(row) / 200.0 + if row % 2 == 1 { 0.001 } else { 0.0 };
+            let angle = std::f64::consts::TAU * share;
+            text += &format!(
+                "{},{},{},{}\n",
+                500.0 + 2000.0 * share,
+                2.0 + share.min(0.0),
+                20.0 * angle.sin(),
+                3.0 * angle.cos()
+            );
+        }
+        let cycle = read("own.csv", &text, 0.02, 50).unwrap();
+        assert!((cycle.time[50] - 2.0).abs() < 1e-12 && cycle.load.iter().all(|load| (load - 1e5).abs() < 1e-6));
+        let frequency = std::f64::consts::PI;
+        for (time, speed) in cycle.time.iter().zip(&cycle.speed) {
+            let angle = frequency * time;
+            let expected = frequency * (0.03 * 20_f64.to_radians() * angle.cos() - 3e-3 * angle.sin());
+            assert!((speed - expected).abs() < 3e-4 * 0.035, "{time}: {speed} {expected}");
+        }
     }
 
     #[test]
     fn files_are_read_linearly_between_rows() {
         let csv = "# a comment\nsliding_speed, time, force\n0.1,2,10\n-0.1,2.5,30\n0.1,3,10\n";
-        let cycle = Cycle::parse("own.csv", csv, 0.5, 4).unwrap();
+        let cycle = read("own.csv", csv, 0.5, 4).unwrap();
         assert_eq!(cycle.time, [0.0, 0.25, 0.5, 0.75, 1.0]);
         assert_eq!(cycle.load, [20.0, 40.0, 60.0, 40.0, 20.0]);
         assert!(cycle.speed.iter().zip([0.1, 0.0, -0.1, 0.0, 0.1]).all(|(a, b): (&f64, _)| (a - b).abs() < 1e-15));
         let spreadsheet = "\u{feff}\"time\",\"sliding_speed\",\"force\",\"a \"\"note\"\", or two\"\r\n\
                            2,0.1,10,\"with, commas\r\nand lines\"\r\n\r\n2.5,\"-0.1\",30,\r\n3,0.1,10,\r\n";
-        assert_eq!(Cycle::parse("own.csv", spreadsheet, 0.5, 4).unwrap(), cycle);
+        assert_eq!(read("own.csv", spreadsheet, 0.5, 4).unwrap(), cycle);
         let storage = "walk\nversion=1\nnRows=3\nnColumns=4\ninDegrees=no\nendheader\ntime\tother\tapplied_load\tsliding_speed\n\
                        2 7 20 0.1\n2.5 7 60 -0.1\n3 7 20 0.1\n";
-        assert_eq!(Cycle::parse("own.sto", storage, 0.5, 4).unwrap(), cycle);
+        assert_eq!(read("own.sto", storage, 0.5, 4).unwrap(), cycle);
     }
 
     #[test]
     fn mistakes_are_named_with_line_and_column() {
         let good = "time,applied_load,sliding_speed\n0,1,0\n1,2,1\n2,1,0\n";
-        assert!(Cycle::parse("a.csv", good, 1.0, 8).is_ok());
+        assert!(read("a.csv", good, 1.0, 8).is_ok());
         for (from, to, expected) in [
             ("2,1\n2", "fast,1\n2", "a.csv:3: column `applied_load`: `fast` is not allowed: a finite number"),
             ("1,2,1", "1,2", "a.csv:3: column `sliding_speed`: `` is not allowed"),
@@ -300,6 +468,19 @@ mod tests {
             ("1,2,1", "1,-2,1", "a.csv:3: column `applied_load`: -2 is not allowed: above 0"),
             ("1,2,1", "0,2,1", "a.csv:3: column `time`: 0 is not allowed: later than the row before, 0"),
             ("sliding_speed", "speed", "a.csv:1: no column `sliding_speed` among time, applied_load, speed"),
+            ("sliding_speed", "sliding_speed,flexion", "`sliding_speed` [m/s] and `flexion` [rad] are both there"),
+            ("sliding_speed", "sliding_speed,translation", "a.csv:1: column `translation` goes with `flexion`"),
+            ("time", "time [%]", "a.csv:1: column `time [%]`: `%` is not a unit of the same kind as s; allowed are s"),
+            (
+                "applied_load",
+                "applied_load [kN]",
+                "column `applied_load [kN]`: `kN` is not a unit of the same kind as N/m",
+            ),
+            (
+                "sliding_speed\n0,1,0\n1,2,1",
+                "flexion\n0,1,0\n1,2,30",
+                "a.csv:1: column `flexion`: 30 rad is more than a turn",
+            ),
             ("applied_load", "load", "no column `applied_load`"),
             ("2,1,0\n", "", "a.csv:3: 2 rows are too few"),
             ("2,1,0", "2,1.5,0", "a.csv:4: column `applied_load`: the last row ends a cycle"),
@@ -314,12 +495,12 @@ mod tests {
         ] {
             let text = good.replace(from, to);
             assert_ne!(text, good, "{from}");
-            let message = Cycle::parse("a.csv", &text, 1.0, 8).unwrap_err().to_string();
+            let message = read("a.csv", &text, 1.0, 8).unwrap_err().to_string();
             assert!(message.contains(expected), "{message}, not {expected}");
         }
-        let message = Cycle::parse("a.csv", &good.replace(',', ";").replace('.', ","), 1.0, 8).unwrap_err().to_string();
+        let message = read("a.csv", &good.replace(',', ";").replace('.', ","), 1.0, 8).unwrap_err().to_string();
         assert!(message.contains("a.csv:1: columns are separated by `;`"), "{message}");
-        let message = Cycle::parse("a.sto", good, 1.0, 8).unwrap_err().to_string();
+        let message = read("a.sto", good, 1.0, 8).unwrap_err().to_string();
         assert!(message.contains("endheader"), "{message}");
     }
 
@@ -345,7 +526,7 @@ mod tests {
                 }
                 if bytes.is_empty() { break; }
             }
-            match Cycle::parse(if storage { "f.sto" } else { "f.csv" }, &String::from_utf8_lossy(&bytes), 0.7, 16) {
+            match read(if storage { "f.sto" } else { "f.csv" }, &String::from_utf8_lossy(&bytes), 0.7, 16) {
                 Ok(Cycle { time, load, speed }) => {
                     prop_assert!(time.windows(2).all(|pair| pair[1] > pair[0]) && time.len() == 17);
                     prop_assert!(load.iter().all(|load| *load > 0.0 && *load <= 1e9), "{:?}", load);

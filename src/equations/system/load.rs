@@ -2,7 +2,7 @@
 
 use num_dual::Dual64;
 
-use super::{Change, State, System, surface_speeds};
+use super::{Change, State, System};
 use crate::equations::grid;
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, quadratic, quadratic_derivative};
 use crate::laws::chain;
@@ -96,7 +96,7 @@ impl System {
     pub fn film_end_shear(&self, at: &State, change: &Change) -> Vec<[Dual64; 2]> {
         let last = self.stations.len() - 1;
         let levels = self.layers[0].mesh.levels();
-        let speeds = surface_speeds(&at.inputs).into_iter().zip(change.inputs.surface_speeds(&at.inputs));
+        let speeds = at.inputs.surface_speeds().into_iter().zip(change.inputs.surface_speeds(&at.inputs));
         let speeds: Vec<_> = speeds.map(|(speed, change)| Dual64::new(speed, change)).collect();
         let ends = self.film_ends.iter().flatten().zip([0, last]).map(|(end, station)| {
             let value = |number: u32| Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]);

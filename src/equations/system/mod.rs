@@ -76,12 +76,6 @@ pub struct System {
     tangent: Tangent,
 }
 
-/// Speeds of the two surfaces.
-pub fn surface_speeds(inputs: &Inputs) -> [f64; 2] {
-    let (u, s) = (inputs.sliding_speed, inputs.slide_to_roll_ratio);
-    [0.5 * u * (1.0 + s), 0.5 * u * (1.0 - s)]
-}
-
 /// Whether anything moves the fluid of the film: walls or time.
 fn moves(inputs: &Inputs, rates: Option<&Rates>) -> bool {
     inputs.sliding_speed != 0.0 || rates.is_some()
@@ -126,7 +120,7 @@ fn boundary_friction_with_slopes(parameters: &Parameters, inputs: &Inputs) -> (f
     if !p.boundary_friction_loads_tissue {
         return (0.0, [0.0; 2]);
     }
-    let (m, slopes) = mobilised_friction(p.formulation, surface_speeds(inputs), p.friction_regularisation_speed);
+    let (m, slopes) = mobilised_friction(p.formulation, inputs.surface_speeds(), p.friction_regularisation_speed);
     (m * p.boundary_friction_coefficient, slopes.map(|s| s * p.boundary_friction_coefficient))
 }
 
@@ -483,7 +477,7 @@ impl System {
         let ends =
             [self.film_mesh_speeds(rates, 0)[0], self.film_mesh_speeds(rates, self.layers[0].mesh.columns - 1)[1]];
         let last = self.stations.len() - 1;
-        let speeds = surface_speeds(inputs);
+        let speeds = inputs.surface_speeds();
         self.film_ends.iter().flatten().zip([0, last]).zip(ends).map(move |((end, station), mesh)| {
             let gap = unknowns[self.layout.gap[station] as usize];
             let pressure = self.layout.pressure[0][station * self.layers[0].mesh.levels()];
@@ -528,7 +522,7 @@ impl System {
 
     /// Surface speeds of a body relative to the mesh at both edges of a column \[m/s\].
     pub fn relative_speeds(&self, body: usize, column: usize, inputs: &Inputs, rates: Option<&Rates>) -> [f64; 2] {
-        let speed = surface_speeds(inputs)[body];
+        let speed = inputs.surface_speeds()[body];
         let curvature = self::body(&self.parameters, self.layers[body].side).curvature();
         let [left, right] = self.mesh_speeds(rates, column);
         // Along the arc.

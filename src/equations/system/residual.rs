@@ -1,6 +1,6 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
-use super::{Change, State, StoredVolumes, System, moves, surface_speeds};
+use super::{Change, State, StoredVolumes, System, moves};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
@@ -72,7 +72,7 @@ impl System {
         let State { unknowns, inputs, .. } = state;
         let rates = state.rates.as_ref();
         values.fill(0.0);
-        let speeds = surface_speeds(inputs);
+        let speeds = inputs.surface_speeds();
         let contact = self.contact(inputs);
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {

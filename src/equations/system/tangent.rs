@@ -1,6 +1,6 @@
 //! The tangent, and what follows from it: updates, and derivatives with respect to the inputs.
 
-use super::{Rates, State, StoredVolumes, System, moves, surface_speeds};
+use super::{Rates, State, StoredVolumes, System, moves};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
@@ -215,7 +215,7 @@ impl System {
             let terms = self.film.element(
                 self.film_length(column),
                 &at,
-                surface_speeds(inputs),
+                inputs.surface_speeds(),
                 &self.mass_rate(rates, column),
             );
             for a in 0..3 {
@@ -364,7 +364,7 @@ impl System {
         for column in 0..self.layers[0].mesh.columns {
             let local = self.film_local(column, unknowns);
             let rate = self.mass_rate(rates, column);
-            let terms = self.film.element(self.film_length(column), &local, surface_speeds(inputs), &rate);
+            let terms = self.film.element(self.film_length(column), &local, inputs.surface_speeds(), &rate);
             let change = std::array::from_fn(|a| along(terms.by_speeds.map(|by| by[a]), speeds));
             self.scatter_film(column, change, values);
         }
@@ -374,7 +374,7 @@ impl System {
     /// change. Where the film ends with a given pressure there is no balance, and it counts as none.
     pub fn film_outflow(&self, at: &State, change: &Change) -> Vec<[f64; 2]> {
         let mut outflow = vec![[0.0; 2]; self.stations.len()];
-        let (speeds, faster) = (surface_speeds(&at.inputs), change.inputs.surface_speeds(&at.inputs));
+        let (speeds, faster) = (at.inputs.surface_speeds(), change.inputs.surface_speeds(&at.inputs));
         for column in 0..self.layers[0].mesh.columns {
             let values = self.film_local(column, &at.unknowns);
             let local = self.film_local(column, &change.unknowns);
