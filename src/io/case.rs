@@ -469,7 +469,7 @@ mod tests {
             let message = message(&text);
             assert!(message.starts_with("case.toml:") && message.len() < 3000, "{} characters", message.len());
         }
-        assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+        assert!(start.elapsed().as_secs() < 100, "{:?}", start.elapsed());
     }
 
     proptest! {
