@@ -23,10 +23,10 @@ pub(super) const PATIENCE: f64 = 4.0;
 /// Most Newton iterations of a step.
 const ITERATIONS: usize = 25;
 /// Most of them with an update larger than the unknowns, where the edges of the contact move with the mesh.
-const LARGE_UPDATES: usize = 8;
+const LARGE_UPDATES: usize = 4;
 
 /// How many times its own viscosity a film has on the way to a state from rest: so thick that the edges of a contact may move.
-const THICKENING: f64 = 100.0;
+const THICKENING: f64 = 30.0;
 /// From what depth on it has, as a fraction of a layer's thickness.
 const DEEP: f64 = 0.03;
 
@@ -252,7 +252,7 @@ fn first_step(from: &Target, to: &Target, control: Control) -> f64 {
     let size = match control {
         Control::Depth => {
             let [a, b] = [from, to].map(|target| (target.inputs.penetration_depth + CLEARANCE).max(0.1 * CLEARANCE));
-            growth(a, b) / 0.3
+            growth(a, b) / 0.4
         }
         Control::Load => growth(from.inputs.applied_load, to.inputs.applied_load) / 0.5,
     };

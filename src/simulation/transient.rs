@@ -319,19 +319,14 @@ fn integrate(
             let reason = format!("{MOST_TRIALS} internal steps were not enough");
             return (Err(stuck(reason)), stepper.iterations);
         }
-        match stepper.stages(bodies, drive, time, step, |_, _, _| Ok(())) {
-            Ok([_, second]) if second.state.mirrored && bodies.drags(&second.state) => {
+        let tried = stepper.stages(bodies, drive, time, step, |_, _, _| Ok(()));
+        let tried = tried.and_then(|stages| Ok((growth(bodies, &stages, stepper.state.rates.as_ref())?, stages)));
+        match tried {
+            Ok((_, [_, second])) if second.state.mirrored && bodies.drags(&second.state) => {
                 return (Err(Stop::Dragged), stepper.iterations);
             }
-            Ok(stages) => {
-                let factor = match growth(bodies, &stages, stepper.state.rates.as_ref()) {
-                    Ok(factor) => factor,
-                    Err(reason) => return (Err(stuck(reason)), stepper.iterations),
-                };
-                if factor < 1.0 && fraction > shortest {
-                    wanted = step * (0.9 * factor).clamp(0.1, 0.4);
-                    continue;
-                }
+            Ok((factor, _)) if factor < 1.0 && fraction > shortest => wanted = step * (0.9 * factor).clamp(0.1, 0.4),
+            Ok((factor, stages)) => {
                 stepper.accept(bodies, stages, step);
                 steps.push(step);
                 done += fraction;
