@@ -159,7 +159,7 @@ fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
     /// Fraction of the columns at the two edges, and the width of these clusters over the contact's half-width; fraction of those spread
     /// over the contact and around it. The rest is uniform.
     const EDGES: (f64, f64) = (0.4, 0.03);
-    const CONTACT: (f64, f64) = (0.4, 0.8);
+    const CONTACT: (f64, f64) = (0.5, 2.0);
     let edge = |x: f64| ((x - contact) / (EDGES.1 * contact)).atan() + ((x + contact) / (EDGES.1 * contact)).atan();
     let around = |x: f64| (x / (CONTACT.1 * contact)).atan();
     let share = |x: f64| {

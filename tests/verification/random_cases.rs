@@ -133,6 +133,9 @@ fn bonded_layer(parameters: &Parameters, depth: f64) -> f64 {
     0.5 * sum * a * a * parameters.upper.shear_modulus * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
 }
 
+/// Seeds of cases that are quickly solved; the pressure of one is three times off, which its warnings say.
+const QUICK: [u64; 8] = [35, 42, 47, 52, 54, 55, 61, 72];
+
 /// Seconds after which a case is given up.
 fn limit() -> f64 {
     std::env::var("RANDOM_CASE_SECONDS").map_or(60.0, |text| text.parse().unwrap())
@@ -184,9 +187,11 @@ fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().unwrap())
 }
 
-fn random_cases(first: u64, count: u64) {
-    let (mut given_up, mut unverified, mut warned, mut silent) = (0, 0, 0, Vec::new());
-    for seed in first..first + count {
+/// Solves the cases of these seeds; returns what is off in those without a warning.
+fn random_cases(seeds: impl Iterator<Item = u64>) -> Vec<[f64; 3]> {
+    let (mut count, mut given_up, mut unverified, mut warned, mut silent) = (0, 0, 0, 0, Vec::new());
+    for seed in seeds {
+        count += 1;
         let mut bytes = [0; 32];
         bytes[..8].copy_from_slice(&seed.to_le_bytes());
         let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
@@ -246,23 +251,39 @@ fn random_cases(first: u64, count: u64) {
             }
         }
     }
-    let within = |limits: [f64; 3]| {
-        silent.iter().filter(|(_, off)| off.iter().zip(limits).all(|(off, limit)| *off <= limit)).count()
-    };
-    let [fine, fair] = [[0.01, 0.02, 0.02], [0.05; 3]].map(within);
+    let found: Vec<[f64; 3]> = silent.iter().map(|(_, off)| *off).collect();
     println!(
-        "{count} cases: {given_up} given up, {unverified} without a reference, {warned} with a warning, {} silent: {fine} within 1 and 2 %, \
-         {} more than 5 % off: {:?}",
-        silent.len(),
-        silent.len() - fair,
-        silent.iter().filter(|(_, off)| off.iter().any(|off| *off > 0.05)).collect::<Vec<_>>()
+        "{count} cases: {given_up} given up, {unverified} without a reference, {warned} with a warning, {} silent: {} within 1 and 2 %, \
+         {} within 5 %; the others: {:?}",
+        found.len(),
+        within(&found, FINE),
+        within(&found, FAIR),
+        silent.iter().filter(|(_, off)| within(&[*off], FAIR) == 0).collect::<Vec<_>>()
     );
-    assert!(silent.len() - fair <= count as usize / 100, "wrong without a word");
-    assert!(fine * 10 >= silent.len() * 9, "less than nine in ten are within 1 and 2 %");
+    found
+}
+
+/// What load, least film and friction of a result without a warning may be off, and what is wrong.
+const FINE: [f64; 3] = [0.01, 0.02, 0.02];
+const FAIR: [f64; 3] = [0.05; 3];
+
+/// How many are within these limits.
+fn within(found: &[[f64; 3]], limits: [f64; 3]) -> usize {
+    found.iter().filter(|off| off.iter().zip(limits).all(|(off, limit)| *off <= limit)).count()
 }
 
 #[test]
 #[ignore = "hours: RANDOM_CASES of them from RANDOM_FIRST on"]
 fn random_cases_are_right_or_carry_a_warning() {
-    random_cases(number("RANDOM_FIRST", 0), number("RANDOM_CASES", 300));
+    let (first, count) = (number("RANDOM_FIRST", 0), number("RANDOM_CASES", 300));
+    let found = random_cases(first..first + count);
+    assert!(found.len() - within(&found, FAIR) <= count as usize / 100, "wrong without a word");
+    assert!(within(&found, FINE) * 10 >= found.len() * 9, "less than nine in ten are within 1 and 2 %");
+}
+
+/// Those that take some seconds.
+#[test]
+fn quick_random_cases_are_right_or_carry_a_warning() {
+    let found = random_cases(QUICK.into_iter());
+    assert_eq!((found.len(), within(&found, FAIR)), (QUICK.len() - 1, QUICK.len() - 1));
 }
