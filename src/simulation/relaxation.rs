@@ -10,7 +10,7 @@ use crate::solver::newton;
 /// Most Newton iterations of one step in time on the way to a steady state, and of all of them.
 const RELAXING_ITERATIONS: usize = 12;
 /// Most of one step's iterations with an update larger than the unknowns.
-const LARGE_UPDATES: usize = 3;
+const LARGE_UPDATES: usize = 6;
 const LONGEST_RELAXATION: usize = 2000;
 /// The first of these steps \[s\].
 const FIRST_STEP: f64 = 2e-5;

@@ -52,7 +52,7 @@ pub(super) fn dry_contact() -> Result<Row, Error> {
         pore_viscosity: 1e-3,
         surface_roughness: 3e-6,
         boundary_friction_loads_tissue: false,
-        mesh: Mesh { columns: 48, rows: 8, ..preset.mesh },
+        mesh: Mesh { columns: 48, rows: 12, ..preset.mesh },
         time_integration: TimeIntegration::Transient,
         ..preset
     };
