@@ -74,18 +74,18 @@ def test_cavitation(fmu2, tmp_path):
 
 def test_joint_mujoco(fmu2, tmp_path):
     result = load("joint_mujoco").main(
-        fmu2, picture=tmp_path / "joint.png", parameters={"mesh.columns": 24, "mesh.rows": 4}, duration=0.03, small=2.5e-4,
-        large=1e-3, explicit_sizes=(2.5e-4, 2.5e-3), implicit_sizes=(2.5e-3,),
+        fmu2, picture=tmp_path / "joint.png", parameters={"mesh.columns": 24, "mesh.rows": 4}, duration=0.03, small=5e-4,
+        large=2.5e-3, explicit_sizes=(5e-4, 2.5e-3), implicit_sizes=(2.5e-3,),
     )  # fmt: skip
     stable = result["stable"]
-    # Of the spring the estimate is known: where it is not stable, nor is it with less damping than that of the step.
-    assert (stable["explicit"], stable["implicit"], stable["penalty"]) == (2.5e-4, 2.5e-3, 2.5e-4)
-    assert 2.5e-4 < stable["limit"] < 2.5e-3
+    # Of the spring, which has no damping of its own, the estimate is the limit.
+    assert (stable["explicit"], stable["implicit"], stable["penalty"]) == (5e-4, 2.5e-3, 5e-4)
+    assert 5e-4 < stable["limit"] < 2.5e-3
     fine, coarse = (result["runs"][f"cartilage, {name}"][0] for name in ("explicit", "implicit"))
     assert fine[-1, 0] == pytest.approx(0.03) and coarse[-1, 0] == pytest.approx(0.03)
     # Depth, force and moment, on the way that they vibrate.
     agreed = [np.interp(coarse[:, 0], fine[:, 0], fine[:, column]) for column in (1, 2, 3)]
-    for found, expected, tolerance in zip(coarse[2:, 1:4].T, agreed, (0.03, 0.08, 0.08)):
+    for found, expected, tolerance in zip(coarse[2:, 1:4].T, agreed, (0.05, 0.1, 0.1)):
         np.testing.assert_allclose(found, expected[2:], rtol=tolerance)
     # The body's weight is what the joint carries in the mean.
     assert coarse[5:, 2].mean() == pytest.approx(750, rel=0.03)
