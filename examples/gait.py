@@ -4,11 +4,13 @@
     cargo run --release          # writes the FMU
     python examples/gait.py      # minutes; writes gait.png
 
-The same as `cartilage-contact gait`; docs/gait.md says where the curve is from. Between communication points the inputs go on
-linearly, by fmi2SetRealInputDerivatives. (FMPy's simulate_fmu would set the slopes of the interval before.)
+The cycle is that of examples/gait_hip.csv under a light load on the tissue of the paper, as of `cartilage-contact gait --peak-load 25
+--steps 200`; docs/gait.md says more. Between communication points the inputs go on linearly, by fmi2SetRealInputDerivatives. (FMPy's
+simulate_fmu would set the slopes of the interval before.)
 """
 
 import shutil
+from pathlib import Path
 
 from start import FMU, needs, options, tell
 
@@ -18,33 +20,23 @@ import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-PERIOD = 1.1  # s
+CYCLE = Path(__file__).with_name("gait_hip.csv")  # time [s], force [N], flexion [deg] at equal steps
 RADIUS = 0.024  # m, turns flexion into sliding
-LOAD = [(0.15, 2.38), (0.31, 1.5), (0.48, 2.1), (0.70, 0.25), (0.95, 0.25)]  # share of the cycle, body weights
-FLEXION = [(0.52, -10), (0.95, 30)]  # share of the cycle, degrees
 OUTPUTS = [
     "penetration_depth_result", "fluid_load", "solid_load", "friction_coefficient", "fluid_load_support",
     "minimum_film_thickness", "net_fluid_exudation",
 ]  # fmt: skip
 
 
-def through(extremes, share):
-    """A periodic curve from extreme to extreme in half cosine waves, and its rate per cycle."""
-    ends = np.array([*extremes, (extremes[0][0] + 1, extremes[0][1])])
-    share = ends[0, 0] + (share - ends[0, 0]) % 1
-    index = np.searchsorted(ends[:, 0], share, side="right") - 1
-    (start, low), (end, high) = ends[index].T, ends[index + 1].T
-    angle = np.pi * (share - start) / (end - start)
-    half = (high - low) / 2
-    return low + half * (1 - np.cos(angle)), half * np.sin(angle) * np.pi / (end - start)
-
-
 def cycle(steps, peak_load):
     """Times [s], loads [N/m] and sliding speeds [m/s] at the communication points of one cycle."""
-    share = np.arange(steps + 1) / steps
-    load = through(LOAD, share)[0] * peak_load / max(weights for _, weights in LOAD)
-    speed = RADIUS * np.radians(through(FLEXION, share)[1]) / PERIOD
-    return PERIOD * share, load, speed
+    _, *rows = [line for line in CYCLE.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    times, force, flexion = np.loadtxt(rows, delimiter=",").T
+    angle = np.radians(flexion[:-1])
+    speed = RADIUS * (np.roll(angle, -1) - np.roll(angle, 1)) / (times[2] - times[0])
+    time = np.linspace(0, times[-1], steps + 1)
+    load = peak_load / force.max() * np.interp(time, times, force)
+    return time, load, np.interp(time, times, np.append(speed, speed[0]))
 
 
 def walk(fmu, parameters, time_integration, time, load, speed, cycles, tolerance):
@@ -66,7 +58,9 @@ def walk(fmu, parameters, time_integration, time, load, speed, cycles, tolerance
         put([references[name]], [value])
     contact.setupExperiment(startTime=0.0)
     contact.enterInitializationMode()
-    contact.setReal(given, [load[0], speed[0]])
+    # The first instant has no speed, and the steady state of that is one of drained tissue: begin with that of the mean speed.
+    start = speed[0] if time_integration == "quasi_steady" else np.sqrt(np.mean(speed**2))
+    contact.setReal(given, [load[0], start])
     contact.exitInitializationMode()
 
     before, change = None, None

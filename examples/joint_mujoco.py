@@ -300,13 +300,15 @@ def run(setting: Setting, contact, master, size: float, duration: float, speed=s
     return np.array(rows), solutions
 
 
-def is_stable(setting: Setting, contact, master, size: float, steps: int = 36) -> bool:
+def is_stable(setting: Setting, contact, master, size: float) -> bool:
     """At a constant speed, pushed by 2 mm/s: has the vibration of the force become smaller?"""
-    rows, _ = run(setting, contact, master, size, steps * size, lambda _: swing(0), 2e-3)
-    third = steps // 3
+    period = 2 * math.pi * math.sqrt(setting.load / 9.81 / setting.stiffness)
+    # A third holds a whole vibration, of a few large steps or of many small ones.
+    third = max(12, math.ceil(period / size))
+    rows, _ = run(setting, contact, master, size, 3 * third * size, lambda _: swing(0), 2e-3)
     # Beside the slow creep of the tissue: second differences.
     shake = abs(np.diff(rows[:, 2], 2))
-    return len(rows) == steps + 1 and shake[-third:].max() < shake[:third].max()
+    return len(rows) == 3 * third + 1 and shake[-third:].max() < shake[:third].max()
 
 
 def main(

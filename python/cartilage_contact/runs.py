@@ -332,9 +332,10 @@ def gait(
     case, **values
         As for :func:`solve`.
     history
-        One cycle of your own: a CSV or OpenSim file, or columns ``time`` [s], ``sliding_speed`` [m/s] and ``applied_load`` [N/m].
+        One cycle of your own: a CSV or OpenSim file, or columns ``time`` [s], ``sliding_speed`` [m/s] and ``applied_load`` [N/m]; the
+        other columns that the command knows will do as well.
     peak_load
-        Largest load of the stylised cycle per unit depth [N/m], in place of a body weight.
+        Largest load of the published cycle per unit depth [N/m], in place of a body weight.
     body_weight
         Body weight [N]; 750 unless given. The case is then the joint "hip" unless one is named.
     steps

@@ -74,34 +74,40 @@ def test_cavitation(fmu2, tmp_path):
 
 def test_joint_mujoco(fmu2, tmp_path):
     result = load("joint_mujoco").main(
-        fmu2, picture=tmp_path / "joint.png", parameters={"mesh.columns": 24, "mesh.rows": 2}, duration=0.05,
-        explicit_sizes=(4e-4, 2.5e-3), implicit_sizes=(2.5e-3,),
+        fmu2, picture=tmp_path / "joint.png", parameters={"mesh.columns": 24, "mesh.rows": 4}, duration=0.03, small=5e-4,
+        large=2.5e-3, explicit_sizes=(5e-4, 2.5e-3), implicit_sizes=(2.5e-3,),
     )  # fmt: skip
-    for row in result["stable"].values():
-        assert (row["explicit"], row["implicit"]) == (4e-4, 2.5e-3)
-        assert 4e-4 < row["limit"] < 2.5e-3
-    fine, coarse = (result["runs"][name][0] for name in ["explicit, small", "implicit, large"])
-    assert fine[-1, 0] == pytest.approx(coarse[-1, 0])
-    # From a full film into solid contact and out again.
-    for rows in (fine, coarse):
-        assert rows[0, 5] == 0 < rows[:, 5].max() and rows[-1, 5] == 0
-    np.testing.assert_allclose(coarse[-1, 1:4], fine[-1, 1:4], rtol=0.02)
+    stable = result["stable"]
+    # Of the spring, which has no damping of its own, the estimate is the limit.
+    assert (stable["explicit"], stable["implicit"], stable["penalty"]) == (5e-4, 2.5e-3, 5e-4)
+    assert 5e-4 < stable["limit"] < 2.5e-3
+    fine, coarse = (result["runs"][f"cartilage, {name}"][0] for name in ("explicit", "implicit"))
+    assert fine[-1, 0] == pytest.approx(0.03) and coarse[-1, 0] == pytest.approx(0.03)
+    # Depth, force and moment, on the way that they vibrate.
+    agreed = [np.interp(coarse[:, 0], fine[:, 0], fine[:, column]) for column in (1, 2, 3)]
+    for found, expected, tolerance in zip(coarse[2:, 1:4].T, agreed, (0.05, 0.1, 0.05)):
+        np.testing.assert_allclose(found, expected[2:], rtol=tolerance)
+    # The body's weight is what the joint carries in the mean.
+    assert coarse[5:, 2].mean() == pytest.approx(750, rel=0.03)
+    # Friction turns against the swing, which is positive.
+    assert (coarse[1:, 3] < 0).all() and (coarse[:, 5] > 0.9).all()
     assert (tmp_path / "joint.png").stat().st_size > 10_000
 
 
 def test_population_resumes_and_keeps_failures(fmu2, tmp_path):
     # In a process of its own: Dask's workers import the program anew.
     program = Path(__file__).parents[2] / "examples" / "population.py"
-    command = [sys.executable, program, "--fmu", fmu2, "--folder", tmp_path / "knees", "--workers", "2"]
+    command = [sys.executable, program, "--fmu", fmu2, "--folder", tmp_path / "knees", "--workers", "1"]
     command += ["--picture", tmp_path / "population.png"]
 
     def run(knees):
         done = subprocess.run([*command, "--knees", str(knees)], capture_output=True, text=True, check=True)
         return done.stdout
 
-    assert "0 knees are there, 2 to run" in run(2)
-    assert "2 knees are there, 2 to run" in run(4)
-    assert len(list((tmp_path / "knees").glob("*.parquet"))) == 4
+    assert "0 knees are there, 1 to run" in run(1)
+    resumed = run(2)
+    assert "1 knees are there, 1 to run" in resumed and "2 knees, 0 of them with a problem" in resumed, resumed
+    assert len(list((tmp_path / "knees").glob("*.parquet"))) == 2
     population = load("population")
     number, problem = population.run_knee(9, fmu2, str(tmp_path), {"mesh.columns": 3}, population.SPEEDS)
     assert number == 9 and "mesh.columns" in problem
