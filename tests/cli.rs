@@ -375,6 +375,7 @@ fn gait_repeats_and_keeps_its_film_where_sliding_turns() {
     let text = out(&output);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(text.contains("Periodic: cycle ") && text.contains("| largest load [N/m] | 25 | 25 |"), "{text}");
+    assert!(text.contains("Errors by the mesh, estimated: load "), "{text}");
     let path = folder.path().join("target/gait/gait.csv");
     let mut reader = csv::Reader::from_path(path).unwrap();
     let head: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();

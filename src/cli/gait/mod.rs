@@ -145,7 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     format::write_units(&csv, header.split(','))?;
     let last = transient.cycles.last().map_or(&[][..], Vec::as_slice);
     let [svg, png, pdf] = figures::gait::save(&folder.path().join("gait"), last, &steady.states)?;
-    let mut text = table(last, &steady.states) + "\n" + &verdict(&transient, arguments.periodicity);
+    let mut text = table(last, &steady.states) + "\n" + &verdict(&transient, arguments.periodicity) + &resolution(last);
     if steady.drained > 0 {
         text += &format!(
             "At {} of {} instants a surface hardly moves: there is no quasi-steady state, since tissue would drain for many cycles.\n",
@@ -358,6 +358,26 @@ fn verdict(transient: &Transient, tolerance: f64) -> String {
         ),
         None => "One cycle: whether it repeats is not known.\n".into(),
     }
+}
+
+/// What mesh and sector leave open in the cycle in time.
+fn resolution(states: &[State]) -> String {
+    let sorted = |get: fn(&Outputs) -> f64| {
+        let mut values: Vec<f64> = states.iter().map(|state| get(&state.outputs)).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let [load, film] = [sorted(|o| o.estimated_load_error), sorted(|o| o.estimated_film_error)];
+    let percent = |value: Option<&f64>| format!("{} %", format::number(100.0 * value.copied().unwrap_or_default(), 2));
+    let warned = states.iter().filter(|state| !state.outputs.well_resolved).count();
+    format!(
+        "Errors by the mesh, estimated: load {} at most, thinnest film {} in the median and {} at most. {warned} of {} instants carry a \
+         warning; estimated_load_error and estimated_film_error in gait.csv say where.\n",
+        percent(load.last()),
+        percent(film.get(film.len() / 2)),
+        percent(film.last()),
+        states.len()
+    )
 }
 
 #[cfg(test)]
