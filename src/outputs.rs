@@ -103,9 +103,6 @@ impl Derived<Dual64> {
 /// Strength of the grading of the profile stations towards x = 0; a constant, so that the stations do not move with the mesh.
 const STATION_GRADING: f64 = 3.0;
 
-/// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
-const MIXED_FILM: f64 = 3.0;
-
 /// Below this load \[N/m\], the least one that has a steady state, ratios fade to nothing: bodies that are not pressed together have none.
 const SMALLEST_LOAD: f64 = 1e-6;
 
@@ -172,7 +169,7 @@ impl Solved<'_> {
         let loads = system.loads(self.state, change);
 
         // Friction: equations 13-15.
-        let rough = system.roughness();
+        let law = system.contact_law();
         let height = system.mean_height(self.state, change);
         let zero = Dual64::from(0.0);
         let fall = |first: usize, s: f64| -> f64 {
@@ -234,28 +231,19 @@ impl Solved<'_> {
         let (least, position) = extremum(&gap, &system.stations, -1.0);
         let (least, position) = match self.state.active.iter().position(|a| *a) {
             Some(first) => (Dual64::from(0.0), Dual64::from(system.stations[first])),
-            // At rest and at first touch round-off decides the sign.
-            None => (if least.re > 0.0 || rough.is_some() { least } else { Dual64::from(0.0) }, position),
+            None => (law.distance(least), position),
         };
-        // Rough surfaces count as touching where the film parameter is below 3.
-        let touching = rough.map_or(self.state.active.contains(&true), |rough| least.re < MIXED_FILM * rough.rms);
+        let touching = law.touches(self.state.touches(), least.re);
         let mut contact_length = Dual64::from(0.0);
         for i in 0..gap.len() - 1 {
             let step = system.arc[i + 1] - system.arc[i];
-            // Between a node that presses and one that gapes the edge is where a line through both is zero.
-            let edge = |inside: usize, outside: usize| match rough {
-                Some(rough) => (gap[inside] - MIXED_FILM * rough.rms) / (gap[inside] - gap[outside]) * step,
-                None => {
-                    let opening = gap[outside] * system.contact_stiffness();
-                    contact_pressure[inside] / (contact_pressure[inside] + opening) * step
-                }
-            };
-            let touches = |i: usize| rough.map_or(self.state.active[i], |rough| gap[i].re < MIXED_FILM * rough.rms);
-            contact_length += match (touches(i), touches(i + 1)) {
-                (true, true) => Dual64::from(step),
-                (true, false) => edge(i, i + 1),
-                (false, true) => edge(i + 1, i),
-                (false, false) => Dual64::from(0.0),
+            let edge =
+                |inside: usize, outside: usize| law.edge([gap[inside], gap[outside]], contact_pressure[inside]) * step;
+            contact_length += match [i, i + 1].map(|i| law.touches(self.state.active[i], gap[i].re)) {
+                [true, true] => Dual64::from(step),
+                [true, false] => edge(i, i + 1),
+                [false, true] => edge(i + 1, i),
+                [false, false] => Dual64::from(0.0),
             };
         }
 
@@ -311,11 +299,7 @@ impl Solved<'_> {
             mesh_columns: system.layers[0].mesh.columns as i32,
             mesh_rows: system.layers[0].mesh.rows as i32,
             mesh_half_width: Dual64::from(system.half_width()),
-            // Between nodes in contact the interpolated gap may dip below zero, where the film is closed.
-            film_thickness: profile(&gap)
-                .into_iter()
-                .map(|h| if h.re > 0.0 || rough.is_some() { h } else { Dual64::from(0.0) })
-                .collect(),
+            film_thickness: profile(&gap).into_iter().map(|gap| law.distance(gap)).collect(),
             fluid_pressure: profile(&pressure),
             contact_pressure: self.linear_profile(&contact_pressure),
         };

@@ -34,6 +34,9 @@ pub struct Roughness {
     pub core_decay: f64,
 }
 
+/// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
+const MIXED_FILM: f64 = 3.0;
+
 /// Value and derivative of amplitude * exp(-x / decay).
 fn exponential(x: f64, amplitude: f64, decay: f64) -> (f64, f64) {
     let value = amplitude * (-x / decay).exp();
@@ -65,6 +68,11 @@ impl Roughness {
         let (core, core_slope) = exponential(open, self.core_pressure, self.core_decay);
         let slope = slope + core_slope;
         (asperities + core + slope * x.min(0.0), slope / self.rms)
+    }
+
+    /// The distance below which rough surfaces count as touching \[m\].
+    pub fn mixed_film(&self) -> f64 {
+        MIXED_FILM * self.rms
     }
 
     /// The distance at which rough surfaces carry this pressure, which is positive \[m\].

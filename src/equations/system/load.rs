@@ -163,7 +163,7 @@ impl System {
             FIXED => zero,
             number => Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]),
         };
-        let deforms = self.layers[0].tissue.consistent || self.roughness().is_some();
+        let deforms = self.layers[0].tissue.consistent || law.follows_from_gap();
         // Places of the surface nodes of a body.
         let places = |body: usize, i: usize| -> [Dual64; 2] {
             let [x, y] = self.layers[body].mesh.nodes[i * levels];
