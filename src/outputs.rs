@@ -149,7 +149,7 @@ impl Solved<'_> {
         let mut pressure: Vec<_> =
             system.layout.pressure[0].iter().step_by(levels).map(|number| dual(*number)).collect();
         let void = system.layout.void.iter().map(|number| dual(*number));
-        let mut void_share: Vec<_> = void
+        let mut void_fraction: Vec<_> = void
             .zip(&gap)
             .zip(&self.state.active)
             .map(|((void, gap), active)| match void.re > 0.0 && !active {
@@ -159,7 +159,7 @@ impl Solved<'_> {
             })
             .collect();
         if p.pressure_order == 1 {
-            for values in [&mut pressure, &mut void_share] {
+            for values in [&mut pressure, &mut void_fraction] {
                 for i in (1..values.len()).step_by(2) {
                     values[i] = (values[i - 1] + values[i + 1]) * 0.5;
                 }
@@ -186,7 +186,7 @@ impl Solved<'_> {
                 let (gap, gradient) = (local(&gap, quadratic(s)), local(&pressure, quadratic_derivative(s)) / half);
                 let [with_pressure, with_walls] = system.film().wall_shear(gap, gradient, difference);
                 // Void drags nothing. Its jumps at the ends of the cavitated film make a parabola overshoot; straight lines do not.
-                let full = -local(&void_share, linear(s)) + 1.0;
+                let full = -local(&void_fraction, linear(s)) + 1.0;
                 let stress = with_walls * full * w;
                 rolling += with_pressure * (half * w);
                 sliding += stress * half;

@@ -62,10 +62,10 @@ impl ContactLaw {
     }
 
     /// Fraction of real contact that follows from the gap, and its derivative.
-    pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
+    pub fn real_contact_fraction(&self, gap: f64) -> (f64, f64) {
         match self {
             Self::Smooth { .. } => (0.0, 0.0),
-            Self::Rough(roughness) => roughness.real_contact_share(gap),
+            Self::Rough(roughness) => roughness.real_contact_fraction(gap),
         }
     }
 
@@ -194,9 +194,9 @@ impl Contact {
             let shape = pressure(mesh.pressure_order, s);
             let fluid: f64 = (0..3).map(|b| shape[b] * at[2 * NODES + b]).sum();
             let (solid, solid_slope) = self.law.pressure(gap);
-            let (share, share_slope) = self.law.real_contact_share(gap);
+            let (real, real_slope) = self.law.real_contact_fraction(gap);
             let (push, push_slope) = (weight * solid, weight * solid_slope);
-            let rubbing = side * weight * (solid + self.solid_fraction * share * fluid);
+            let rubbing = side * weight * (solid + self.solid_fraction * real * fluid);
             let drag = self.friction * rubbing;
             if let Some(residual) = &mut terms.residual {
                 residual[a] += push * side * y + drag * x;
@@ -212,10 +212,10 @@ impl Contact {
                     tangent[b * LOCAL + NODES + a] -= turn;
                     tangent[b * LOCAL + a] += drag * slope[b];
                     tangent[(2 * NODES + b) * LOCAL + a] +=
-                        self.friction * side * weight * self.solid_fraction * share * shape[b] * x;
+                        self.friction * side * weight * self.solid_fraction * real * shape[b] * x;
                 }
                 let drag_slope =
-                    self.friction * side * weight * (solid_slope + self.solid_fraction * share_slope * fluid);
+                    self.friction * side * weight * (solid_slope + self.solid_fraction * real_slope * fluid);
                 by_gap[a][a] += push_slope * side * y + drag_slope * x;
                 by_gap[a][NODES + a] -= push_slope * side * x;
             }

@@ -269,8 +269,8 @@ impl System {
         self.weights = vec![0.0; stations.len()];
         for first in (0..stations.len() - 1).step_by(2) {
             let length = stations[first + 2] - stations[first];
-            for (a, share) in SIMPSON.into_iter().enumerate() {
-                self.weights[first + a] += share * length;
+            for (a, weight) in SIMPSON.into_iter().enumerate() {
+                self.weights[first + a] += weight * length;
             }
         }
         let p = &self.parameters;
