@@ -248,10 +248,10 @@ impl Solved<'_> {
             let speeds = system.relative_speeds(body, column, &self.state.inputs, self.state.rates.as_ref());
             layer.tissue.element(&layer.mesh, element, &self.local(body, element), speeds, &rate, terms)?;
             let length = system.stations[2 * column + 2] - system.stations[2 * column];
-            let shares = if order == 2 { SIMPSON } else { [0.5, 0.0, 0.5] };
+            let fractions = if order == 2 { SIMPSON } else { [0.5, 0.0, 0.5] };
             for a in 0..3 {
                 outflow[2 * column + a] -= residual[2 * NODES + a];
-                weight[2 * column + a] += shares[a] * length;
+                weight[2 * column + a] += fractions[a] * length;
             }
         }
         for (flow, weight) in outflow.iter_mut().zip(&weight).filter(|(_, w)| **w > 0.0) {

@@ -103,9 +103,6 @@ impl Derived<Dual64> {
 /// Strength of the grading of the profile stations towards x = 0; a constant, so that the stations do not move with the mesh.
 const STATION_GRADING: f64 = 3.0;
 
-/// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
-const MIXED_FILM: f64 = 3.0;
-
 /// Below this load \[N/m\], the least one that has a steady state, ratios fade to nothing: bodies that are not pressed together have none.
 const SMALLEST_LOAD: f64 = 1e-6;
 
@@ -152,7 +149,7 @@ impl Solved<'_> {
         let mut pressure: Vec<_> =
             system.layout.pressure[0].iter().step_by(levels).map(|number| dual(*number)).collect();
         let void = system.layout.void.iter().map(|number| dual(*number));
-        let mut void_share: Vec<_> = void
+        let mut void_fraction: Vec<_> = void
             .zip(&gap)
             .zip(&self.state.active)
             .map(|((void, gap), active)| match void.re > 0.0 && !active {
@@ -162,7 +159,7 @@ impl Solved<'_> {
             })
             .collect();
         if p.pressure_order == 1 {
-            for values in [&mut pressure, &mut void_share] {
+            for values in [&mut pressure, &mut void_fraction] {
                 for i in (1..values.len()).step_by(2) {
                     values[i] = (values[i - 1] + values[i + 1]) * 0.5;
                 }
@@ -172,7 +169,7 @@ impl Solved<'_> {
         let loads = system.loads(self.state, change);
 
         // Friction: equations 13-15.
-        let rough = system.roughness();
+        let law = system.contact_law();
         let height = system.mean_height(self.state, change);
         let zero = Dual64::from(0.0);
         let fall = |first: usize, s: f64| -> f64 {
@@ -189,7 +186,7 @@ impl Solved<'_> {
                 let (gap, gradient) = (local(&gap, quadratic(s)), local(&pressure, quadratic_derivative(s)) / half);
                 let [with_pressure, with_walls] = system.film().wall_shear(gap, gradient, difference);
                 // Void drags nothing. Its jumps at the ends of the cavitated film make a parabola overshoot; straight lines do not.
-                let full = -local(&void_share, linear(s)) + 1.0;
+                let full = -local(&void_fraction, linear(s)) + 1.0;
                 let stress = with_walls * full * w;
                 rolling += with_pressure * (half * w);
                 sliding += stress * half;
@@ -234,28 +231,19 @@ impl Solved<'_> {
         let (least, position) = extremum(&gap, &system.stations, -1.0);
         let (least, position) = match self.state.active.iter().position(|a| *a) {
             Some(first) => (Dual64::from(0.0), Dual64::from(system.stations[first])),
-            // At rest and at first touch round-off decides the sign.
-            None => (if least.re > 0.0 || rough.is_some() { least } else { Dual64::from(0.0) }, position),
+            None => (law.distance(least), position),
         };
-        // Rough surfaces count as touching where the film parameter is below 3.
-        let touching = rough.map_or(self.state.active.contains(&true), |rough| least.re < MIXED_FILM * rough.rms);
+        let touching = law.touches(self.state.touches(), least.re);
         let mut contact_length = Dual64::from(0.0);
         for i in 0..gap.len() - 1 {
             let step = system.arc[i + 1] - system.arc[i];
-            // Between a node that presses and one that gapes the edge is where a line through both is zero.
-            let edge = |inside: usize, outside: usize| match rough {
-                Some(rough) => (gap[inside] - MIXED_FILM * rough.rms) / (gap[inside] - gap[outside]) * step,
-                None => {
-                    let opening = gap[outside] * system.contact_stiffness();
-                    contact_pressure[inside] / (contact_pressure[inside] + opening) * step
-                }
-            };
-            let touches = |i: usize| rough.map_or(self.state.active[i], |rough| gap[i].re < MIXED_FILM * rough.rms);
-            contact_length += match (touches(i), touches(i + 1)) {
-                (true, true) => Dual64::from(step),
-                (true, false) => edge(i, i + 1),
-                (false, true) => edge(i + 1, i),
-                (false, false) => Dual64::from(0.0),
+            let edge =
+                |inside: usize, outside: usize| law.edge([gap[inside], gap[outside]], contact_pressure[inside]) * step;
+            contact_length += match [i, i + 1].map(|i| law.touches(self.state.active[i], gap[i].re)) {
+                [true, true] => Dual64::from(step),
+                [true, false] => edge(i, i + 1),
+                [false, true] => edge(i + 1, i),
+                [false, false] => Dual64::from(0.0),
             };
         }
 
@@ -311,11 +299,7 @@ impl Solved<'_> {
             mesh_columns: system.layers[0].mesh.columns as i32,
             mesh_rows: system.layers[0].mesh.rows as i32,
             mesh_half_width: Dual64::from(system.half_width()),
-            // Between nodes in contact the interpolated gap may dip below zero, where the film is closed.
-            film_thickness: profile(&gap)
-                .into_iter()
-                .map(|h| if h.re > 0.0 || rough.is_some() { h } else { Dual64::from(0.0) })
-                .collect(),
+            film_thickness: profile(&gap).into_iter().map(|gap| law.distance(gap)).collect(),
             fluid_pressure: profile(&pressure),
             contact_pressure: self.linear_profile(&contact_pressure),
         };

@@ -47,7 +47,7 @@ pub struct Body {
     pub fibre_exponential_coefficient: f64,
     /// Permeability along the articular surface over that through the depth \[1\].
     pub tangential_permeability_ratio: f64,
-    /// Depth where the middle zone begins, whose properties are those above, as a share of the thickness \[1\].
+    /// Depth where the middle zone begins, whose properties are those above, as a fraction of the thickness \[1\].
     pub middle_zone_start: f64,
     /// Depth where it ends, likewise \[1\].
     pub middle_zone_end: f64,
@@ -181,7 +181,7 @@ pub struct Parameters {
     pub maximum_internal_step: f64,
     /// Which model answers in the FMU; programs choose by which of them they make.
     pub fidelity: Fidelity,
-    /// Whether the film tears where its pressure would fall below the cavitation pressure.
+    /// Whether the film cavitates where its pressure would fall below the cavitation pressure.
     pub cavitation: bool,
     /// Least pressure of the film, above ambient \[Pa\].
     pub cavitation_pressure: f64,
@@ -201,7 +201,7 @@ pub struct Parameters {
     pub core_pressure: f64,
     /// Its decay length over the roughness \[1\].
     pub core_decay: f64,
-    /// Share of the fluid's pressure in real contact that boundary friction feels, phi of Ateshian \[1\] (rough surfaces).
+    /// Fraction of the fluid's pressure in real contact that boundary friction feels, phi of Ateshian \[1\] (rough surfaces).
     pub solid_fraction: f64,
     /// Where the other values start from; to get these values, [`Preset::parameters`].
     pub preset: Preset,
@@ -429,7 +429,7 @@ impl Parameters {
             return Err(Error::value(
                 "cavitation",
                 true,
-                "false with surface_roughness above 0: a film that tears between rough surfaces is not modelled; or surface_roughness = 0",
+                "false with surface_roughness above 0: cavitation between rough surfaces is not modelled; or surface_roughness = 0",
             ));
         }
         if self.surface_roughness == 0.0 && self.solid_fraction > 0.0 {

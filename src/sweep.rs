@@ -10,7 +10,7 @@ use crate::parameters::{Control, Inputs, Parameters};
 use crate::simulation::Simulation;
 
 /// Fewer points than this are not shared out: a state far from the last one costs as much as several nearby.
-const SMALLEST_SHARE: usize = 4;
+const SMALLEST_RANGE: usize = 4;
 
 /// Hears of a point, by its index; says whether to go on.
 pub type Done<'a> = &'a (dyn Fn(usize, Result<&mut Simulation, Error>) -> ControlFlow<()> + Sync);
@@ -38,21 +38,21 @@ pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: D
     if parameters.control == Control::Load {
         return Err(Error::value("control", "load", "\"depth\": a sweep goes from depth to depth"));
     }
-    let threads = threads.clamp(1, points.len().div_ceil(SMALLEST_SHARE).max(1));
-    let share = points.len().div_ceil(threads);
-    let shares: Vec<_> =
-        (0..threads).map(|i| (i * share).min(points.len())..((i + 1) * share).min(points.len())).collect();
-    let shares = Mutex::new(shares);
+    let threads = threads.clamp(1, points.len().div_ceil(SMALLEST_RANGE).max(1));
+    let length = points.len().div_ceil(threads);
+    let ranges: Vec<_> =
+        (0..threads).map(|i| (i * length).min(points.len())..((i + 1) * length).min(points.len())).collect();
+    let ranges = Mutex::new(ranges);
     memory::check(parameters, threads)?;
     let simulations: Result<Vec<_>, _> = (0..threads).map(|_| Simulation::new(parameters)).collect();
     std::thread::scope(|scope| {
         for (own, mut simulation) in simulations?.into_iter().enumerate() {
-            let shares = &shares;
+            let ranges = &ranges;
             let worker = move || {
                 let rest = simulation.snapshot();
                 loop {
                     // A `while let` would hold the lock while the point is solved, and the threads would take turns.
-                    let index = next(&mut shares.lock().unwrap_or_else(PoisonError::into_inner), own);
+                    let index = next(&mut ranges.lock().unwrap_or_else(PoisonError::into_inner), own);
                     let Some(index) = index else { break };
                     let point = points[index];
                     // Surfaces close more readily than they part.
@@ -60,12 +60,12 @@ pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: D
                     let result = if parting { simulation.restore(&rest) } else { Ok(()) };
                     let result = result.and_then(|()| simulation.solve_steady(point));
                     if done(index, result.map(|()| &mut simulation)).is_break() {
-                        shares.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
+                        ranges.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
                     }
                 }
             };
             if let Err(error) = spawn(scope, worker) {
-                shares.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
+                ranges.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
                 return Err(error);
             }
         }
@@ -74,18 +74,18 @@ pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: D
 }
 
 /// The next point of a worker.
-fn next(shares: &mut [Range<usize>], worker: usize) -> Option<usize> {
-    if shares[worker].is_empty() {
-        let largest = (0..shares.len()).max_by_key(|other| shares[*other].len())?;
-        let Range { start, end } = shares[largest];
-        if end - start < SMALLEST_SHARE {
+fn next(ranges: &mut [Range<usize>], worker: usize) -> Option<usize> {
+    if ranges[worker].is_empty() {
+        let largest = (0..ranges.len()).max_by_key(|other| ranges[*other].len())?;
+        let Range { start, end } = ranges[largest];
+        if end - start < SMALLEST_RANGE {
             return None;
         }
         let middle = start + (end - start) / 2;
-        shares[largest] = start..middle;
-        shares[worker] = middle..end;
+        ranges[largest] = start..middle;
+        ranges[worker] = middle..end;
     }
-    shares[worker].next()
+    ranges[worker].next()
 }
 
 #[cfg(test)]
@@ -111,13 +111,13 @@ mod tests {
 
     #[test]
     fn every_point_is_given_out_once() {
-        let mut shares = vec![0..10, 10..20, 20..20];
+        let mut ranges = vec![0..10, 10..20, 20..20];
         let mut given: Vec<usize> = Vec::new();
         let mut idle = 0;
         while idle < 5 {
             idle = 0;
             for worker in [2, 0, 2, 2, 1] {
-                match next(&mut shares, worker) {
+                match next(&mut ranges, worker) {
                     Some(point) => given.push(point),
                     None => idle += 1,
                 }

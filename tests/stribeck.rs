@@ -402,7 +402,7 @@ fn wrong_usage_is_explained() {
         ("stribeck --depths 0:1e-6:0", "is no range"),
         ("stribeck --depths 1", "penetration_depth = 1 is not allowed: a number from -1e-2 to 1e-2 m"),
         ("stribeck --speeds 50", "sliding_speed = 50 is not allowed: a number from -1e1 to 1e1 m/s"),
-        ("sensitivity --change 20", "--change = 20 is not allowed: a share from 1e-6 to 0.9"),
+        ("sensitivity --change 20", "--change = 20 is not allowed: a fraction from 1e-6 to 0.9"),
         ("validate everything", "invalid value 'everything'"),
     ] {
         let message = refused(arguments, 2);

@@ -170,7 +170,7 @@ fn through(simulation: &mut Simulation, stops: &[(f64, Inputs)], steps: u32) -> 
     course
 }
 
-/// Speed through zero twice; pressed, torn apart with suction, and pressed again.
+/// Speed through zero twice; pressed, pulled apart with suction, and pressed again.
 #[test]
 fn reversal_and_separation() {
     for formulation in [Formulation::Paper, Formulation::Consistent] {
@@ -190,7 +190,7 @@ fn reversal_and_separation() {
         };
         let (course, fine) = (run(1e-3), run(1e-4));
         assert!(course.iter().any(|o| o.contact_length > 0.0));
-        // Torn apart, the film pulls.
+        // Pulled apart: the film pulls.
         assert!(course.iter().any(|o| o.load < -1.0 && o.minimum_fluid_pressure < -1e3));
         let largest = fine.iter().fold(0.0_f64, |a, o| a.max(o.load.abs()));
         for (o, f) in course.iter().zip(&fine) {
@@ -202,7 +202,7 @@ fn reversal_and_separation() {
     }
 }
 
-/// Pressed, torn apart, pressed again and set in motion with a film that may tear: no suction below the cavitation pressure, and in
+/// Pressed, pulled apart, pressed again and set in motion with a film that may cavitate: no suction below the cavitation pressure, and in
 /// the end the past is forgotten.
 #[test]
 fn a_torn_film_heals() {
@@ -239,7 +239,7 @@ fn a_torn_film_heals() {
     }
 }
 
-/// Pressed into contact, torn apart with suction and closed again, sliding to and fro. The second differences of the loads at
+/// Pressed into contact, pulled apart with suction and closed again, sliding to and fro. The second differences of the loads at
 /// communication points four times as close are a sixteenth where the course is smooth and a fourth at a corner; a jump, of 1 % of
 /// the largest load already, would leave them what they are.
 #[test]
@@ -305,11 +305,11 @@ fn closing_and_opening_lose_work_and_less_the_slower() {
         assert!(touched && simulation.outputs().solid_load == 0.0);
         work / most
     };
-    let shares = [0.1, 20.0, 40.0, 80.0].map(lost);
-    println!("lost: {shares:?}");
-    assert!(shares[0] > 0.2 && shares[0] < 1.0);
-    assert_relative_eq!(shares[1] / shares[2], 2.0, max_relative = 0.1);
-    assert_relative_eq!(shares[2] / shares[3], 2.0, max_relative = 0.05);
+    let lost_fractions = [0.1, 20.0, 40.0, 80.0].map(lost);
+    println!("lost: {lost_fractions:?}");
+    assert!(lost_fractions[0] > 0.2 && lost_fractions[0] < 1.0);
+    assert_relative_eq!(lost_fractions[1] / lost_fractions[2], 2.0, max_relative = 0.1);
+    assert_relative_eq!(lost_fractions[2] / lost_fractions[3], 2.0, max_relative = 0.05);
 }
 
 fn course(simulation: &mut Simulation, from: i32, to: i32) -> Vec<Outputs> {
@@ -456,7 +456,7 @@ fn suction_has_no_friction_coefficient() {
 }
 
 /// Derivatives of the discrete step by every input against central differences: 1e-5 of the derivative plus 1e-5 of the output's size
-/// over the input's. Varied: formulation, control, film, contact and torn film, one and several internal steps. Internal steps are bounded so
+/// over the input's. Varied: formulation, control, film, contact and cavitated film, one and several internal steps. Internal steps are bounded so
 /// that they stay the same.
 #[test]
 fn derivatives_of_the_discrete_step() {

@@ -18,7 +18,7 @@ use super::stribeck::progress;
 use super::{Failure, figures, format, print};
 
 const EXAMPLES: &str = "\
-Each parameter is changed alone (of both bodies together), down and up by the same share, as far as its range allows. \
+Each parameter is changed alone (of both bodies together), down and up by the same fraction, as far as its range allows. \
 The folder gets sensitivity.csv, one row a change and depth, and a tornado plot.
 
 Examples:
@@ -37,7 +37,7 @@ pub struct Arguments {
     depths: String,
 
     /// Relative change of each parameter
-    #[arg(long, value_name = "SHARE", default_value_t = 0.2)]
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.2)]
     change: f64,
 
     /// Folder for everything that is written
@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     depths.sort_by(f64::total_cmp);
     let change = arguments.change;
     if !(1e-6..=0.9).contains(&change) {
-        return Err(Error::value("--change", change, "a share from 1e-6 to 0.9, such as 0.2 for 20 %").into());
+        return Err(Error::value("--change", change, "a fraction from 1e-6 to 0.9, such as 0.2 for 20 %").into());
     }
     let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let folder = OutputFolder::open(&arguments.output)?;
@@ -165,8 +165,8 @@ fn responses(case: &Case, depths: &[f64], change: f64, threads: usize) -> Result
         .collect())
 }
 
-fn percent(share: f64) -> String {
-    if share.is_nan() { "-".into() } else { format!("{:+.1} %", 100.0 * share) }
+fn percent(fraction: f64) -> String {
+    if fraction.is_nan() { "-".into() } else { format!("{:+.1} %", 100.0 * fraction) }
 }
 
 fn to_csv(depths: &[f64], responses: &[Response]) -> Result<Vec<u8>, csv::Error> {

@@ -17,6 +17,8 @@
 //! there is one condition a node. The normal is that of the deformed surface, and tau acts along x. The multiplier of an active
 //! station rubs with tau = mu lambda.
 
+use num_dual::Dual64;
+
 use crate::equations::tissue::{LOCAL, Local};
 use crate::fem::element::{NODES, SIMPSON, pressure, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
@@ -38,6 +40,19 @@ pub enum ContactLaw {
 }
 
 impl ContactLaw {
+    /// Whether pressure follows from the gap; else all of it is in the multipliers.
+    pub fn follows_from_gap(&self) -> bool {
+        match self {
+            Self::Smooth { .. } => false,
+            Self::Rough(_) => true,
+        }
+    }
+
+    /// Whether it is the same law, with whatever parameters.
+    pub fn same_kind(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+
     /// Pressure that follows from the gap, and its derivative.
     pub fn pressure(&self, gap: f64) -> (f64, f64) {
         match self {
@@ -47,10 +62,10 @@ impl ContactLaw {
     }
 
     /// Fraction of real contact that follows from the gap, and its derivative.
-    pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
+    pub fn real_contact_fraction(&self, gap: f64) -> (f64, f64) {
         match self {
             Self::Smooth { .. } => (0.0, 0.0),
-            Self::Rough(roughness) => roughness.real_contact_share(gap),
+            Self::Rough(roughness) => roughness.real_contact_fraction(gap),
         }
     }
 
@@ -72,6 +87,33 @@ impl ContactLaw {
             Self::Smooth { modulus, .. } => (modulus * gap, modulus),
             // None is active.
             Self::Rough(_) => (0.0, 0.0),
+        }
+    }
+
+    /// Whether the solids count as touching where a station is active or not, at this gap.
+    pub fn touches(&self, active: bool, gap: f64) -> bool {
+        match self {
+            Self::Smooth { .. } => active,
+            Self::Rough(roughness) => gap < roughness.mixed_film(),
+        }
+    }
+
+    /// Where contact ends between two stations, as a fraction of the way from one that touches to one that does not: where a line
+    /// through both is zero.
+    pub fn edge(&self, [inside, outside]: [Dual64; 2], pressure_inside: Dual64) -> Dual64 {
+        match self {
+            Self::Smooth { stiffness, .. } => pressure_inside / (pressure_inside + outside * *stiffness),
+            Self::Rough(roughness) => (inside - roughness.mixed_film()) / (inside - outside),
+        }
+    }
+
+    /// Distance of the surfaces, from the gap of the solution: mean planes of rough surfaces may overlap. Smooth surfaces do not; what
+    /// is below zero there is round-off, or comes of interpolation between stations in contact.
+    pub fn distance(&self, gap: Dual64) -> Dual64 {
+        match self {
+            Self::Smooth { .. } if gap.re > 0.0 => gap,
+            Self::Smooth { .. } => Dual64::from(0.0),
+            Self::Rough(_) => gap,
         }
     }
 
@@ -139,7 +181,7 @@ impl Contact {
         gaps: [f64; 3],
         mut terms: ContactTerms<'_>,
     ) {
-        if let ContactLaw::Smooth { .. } = self.law {
+        if !self.law.follows_from_gap() {
             return;
         }
         let nodes = mesh.element_nodes(element);
@@ -152,9 +194,9 @@ impl Contact {
             let shape = pressure(mesh.pressure_order, s);
             let fluid: f64 = (0..3).map(|b| shape[b] * at[2 * NODES + b]).sum();
             let (solid, solid_slope) = self.law.pressure(gap);
-            let (share, share_slope) = self.law.real_contact_share(gap);
+            let (real, real_slope) = self.law.real_contact_fraction(gap);
             let (push, push_slope) = (weight * solid, weight * solid_slope);
-            let rubbing = side * weight * (solid + self.solid_fraction * share * fluid);
+            let rubbing = side * weight * (solid + self.solid_fraction * real * fluid);
             let drag = self.friction * rubbing;
             if let Some(residual) = &mut terms.residual {
                 residual[a] += push * side * y + drag * x;
@@ -170,10 +212,10 @@ impl Contact {
                     tangent[b * LOCAL + NODES + a] -= turn;
                     tangent[b * LOCAL + a] += drag * slope[b];
                     tangent[(2 * NODES + b) * LOCAL + a] +=
-                        self.friction * side * weight * self.solid_fraction * share * shape[b] * x;
+                        self.friction * side * weight * self.solid_fraction * real * shape[b] * x;
                 }
                 let drag_slope =
-                    self.friction * side * weight * (solid_slope + self.solid_fraction * share_slope * fluid);
+                    self.friction * side * weight * (solid_slope + self.solid_fraction * real_slope * fluid);
                 by_gap[a][a] += push_slope * side * y + drag_slope * x;
                 by_gap[a][NODES + a] -= push_slope * side * x;
             }
@@ -188,6 +230,33 @@ mod tests {
     use crate::laws::roughness::AsperityLaw;
     use proptest::prelude::*;
 
+    const ROUGH: Roughness = Roughness {
+        rms: 1e-6,
+        law: AsperityLaw::Exponential,
+        asperity_pressure: 2e4,
+        asperity_decay: 0.5,
+        core_pressure: 1e6,
+        core_decay: 0.2,
+    };
+
+    /// Rough surfaces touch up to where a gap on a line is 3 times the roughness. Between smooth ones the pressure falls on a line to zero,
+    /// from where the gap times the stiffness goes on along the same line.
+    #[test]
+    fn contact_ends_where_a_line_through_both_stations_does() {
+        let (rough, smooth) = (ContactLaw::Rough(ROUGH), ContactLaw::Smooth { stiffness: 1e9, modulus: 1e6 });
+        let edge =
+            |law: ContactLaw, gaps: [f64; 2], pressure: f64| law.edge(gaps.map(Dual64::from), pressure.into()).re;
+        for fraction in [0.1, 0.5, 0.8] {
+            let line = |x: f64| 3e-6 + (x - fraction) * 4e-6;
+            assert!(rough.touches(false, line(fraction - 1e-3)) && !rough.touches(false, line(fraction + 1e-3)));
+            assert!((edge(rough, [line(0.0), line(1.0)], 0.0) - fraction).abs() < 1e-12);
+            assert!((edge(smooth, [0.0, (1.0 - fraction) * 1e-6], fraction * 1e3) - fraction).abs() < 1e-12);
+        }
+        assert!(smooth.touches(true, 1e-20) && !smooth.touches(false, -1e-20));
+        let overlap = Dual64::new(-1e-7, 1.0);
+        assert_eq!((rough.distance(overlap), smooth.distance(overlap)), (overlap, Dual64::from(0.0)));
+    }
+
     proptest! {
         /// Taylor test by central differences, along a direction of displacements, pressures and gaps.
         #[test]
@@ -200,12 +269,8 @@ mod tests {
             let side = if upper { 1.0 } else { -1.0 };
             let stations = quadratic_stations(3, |i| 2e-3 * graded(i as f64 / 1.5 - 1.0, 1.0));
             let mesh = LayerMesh::sector(&stations, &quadratic_stations(2, |j| 0.5e-3 * j as f64), 0.1, side, order);
-            let roughness = Roughness {
-                rms: 1e-6, law: AsperityLaw::Exponential, asperity_pressure: 2e4, asperity_decay: 0.5, core_pressure: 1e6,
-                core_decay: 0.2,
-            };
             let contact = Contact {
-                law: ContactLaw::Rough(roughness), friction: 0.3, friction_by_speeds: [0.0; 2], solid_fraction: 0.1,
+                law: ContactLaw::Rough(ROUGH), friction: 0.3, friction_by_speeds: [0.0; 2], solid_fraction: 0.1,
             };
             let scale = |i: usize| if i < 2 * NODES { 2e-5 } else { 2e5 };
             let residual = |s: f64, friction: f64| {

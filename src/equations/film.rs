@@ -91,7 +91,7 @@ struct Store {
     gap: [f64; 3],
     pressure: [f64; 3],
     void: [f64; 3],
-    share: f64,
+    fraction: f64,
 }
 
 /// Where fluid flows: the place in the element -1..=1, shape functions of gap and pressure, the node from which void is carried, and
@@ -102,7 +102,7 @@ struct Flow {
     pressure: [f64; 3],
     slope: [f64; 3],
     upstream: Option<usize>,
-    share: f64,
+    fraction: f64,
 }
 
 /// Thickness of void that is carried through a gap, with its derivatives.
@@ -126,12 +126,12 @@ impl Void {
             let value = gap + upstream_void - room;
             return Self { value, by_gap: 1.0, by_upstream_gap: -by_gap, by_upstream_void: 1.0 };
         }
-        let share = upstream_void / room;
+        let fraction = upstream_void / room;
         let by_upstream_void = gap / room;
         Self {
-            value: share * gap,
-            by_gap: share,
-            by_upstream_gap: -share * by_upstream_void * by_gap,
+            value: fraction * gap,
+            by_gap: fraction,
+            by_upstream_gap: -fraction * by_upstream_void * by_gap,
             by_upstream_void,
         }
     }
@@ -147,23 +147,23 @@ impl Film {
         let unit = |a: usize| std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
         if self.rough.is_some() {
             return std::array::from_fn(|q| match self.pressure_order {
-                2 => Store { gap: unit(q), pressure: unit(q), void: [0.0; 3], share: [0.25, 0.5, 0.25][q] },
+                2 => Store { gap: unit(q), pressure: unit(q), void: [0.0; 3], fraction: [0.25, 0.5, 0.25][q] },
                 order => {
                     let pressure = pressure(order, q as f64 - 1.0);
-                    Store { gap: unit(q), pressure, void: [0.0; 3], share: SIMPSON[q] }
+                    Store { gap: unit(q), pressure, void: [0.0; 3], fraction: SIMPSON[q] }
                 }
             });
         }
         std::array::from_fn(|q| match (self.cavitates, self.pressure_order) {
             (true, order) => {
-                let share = if order == 2 { [0.25, 0.5, 0.25][q] } else { [0.5, 0.0, 0.5][q] };
-                Store { gap: unit(q), pressure: unit(q), void: unit(q), share }
+                let fraction = if order == 2 { [0.25, 0.5, 0.25][q] } else { [0.5, 0.0, 0.5][q] };
+                Store { gap: unit(q), pressure: unit(q), void: unit(q), fraction }
             }
             (false, order) => Store {
                 gap: quadratic(GAUSS[q]),
                 pressure: pressure(order, GAUSS[q]),
                 void: [0.0; 3],
-                share: 0.5 * GAUSS_WEIGHTS[q],
+                fraction: 0.5 * GAUSS_WEIGHTS[q],
             },
         })
     }
@@ -177,7 +177,7 @@ impl Film {
                 if !cavitates {
                     let slope = pressure_derivative(pressure_order, s).map(|d| 2.0 * d);
                     let pressure = pressure(pressure_order, s);
-                    return Flow { place: s, gap: quadratic(s), pressure, slope, upstream: None, share: 0.5 * w };
+                    return Flow { place: s, gap: quadratic(s), pressure, slope, upstream: None, fraction: 0.5 * w };
                 }
                 let [from, to] = *pair;
                 let length = 0.5 * (to - from) as f64;
@@ -186,7 +186,7 @@ impl Film {
                 (slope[from], slope[to]) = (-1.0 / length, 1.0 / length);
                 let upstream = Some(if sliding_speed < 0.0 { to } else { from });
                 let place = from as f64 - 1.0 + length * (1.0 + s);
-                Flow { place, gap: quadratic(place), pressure, slope, upstream, share: 0.5 * w * length }
+                Flow { place, gap: quadratic(place), pressure, slope, upstream, fraction: 0.5 * w * length }
             })
         })
     }
@@ -269,7 +269,7 @@ impl Film {
         let mut residual = [0.0; 3];
         for (store, rate) in self.stores().into_iter().zip(rate) {
             for (r, value) in residual.iter_mut().zip(store.pressure) {
-                *r += store.share * rate * value;
+                *r += store.fraction * rate * value;
             }
         }
         residual
@@ -285,10 +285,10 @@ impl Film {
             }
             let (thickness, slope) = self.thickness(sum(&store.gap, at));
             let fluid = thickness - sum(&store.void, &at[6..]);
-            let factor = length * store.share * mass_rate.rate * (chi * sum(&store.pressure, &at[3..])).exp();
+            let factor = length * store.fraction * mass_rate.rate * (chi * sum(&store.pressure, &at[3..])).exp();
             for a in 0..3 {
                 let value = store.pressure[a];
-                terms.residual[a] += (factor * fluid + store.share * history) * value;
+                terms.residual[a] += (factor * fluid + store.fraction * history) * value;
                 for b in 0..3 {
                     terms.tangent[a][b] += factor * slope * store.gap[b] * value;
                     terms.tangent[a][3 + b] += factor * fluid * chi * store.pressure[b] * value;
@@ -311,7 +311,7 @@ impl Film {
             let void = flow.upstream.map_or(Void::default(), |up| Void::carried(gap.max(0.0), at[up], at[6 + up]));
             let value = flux.value - 0.5 * sliding_speed * void.value;
             let by_gap = flux.by_film_thickness - if gap > 0.0 { 0.5 * sliding_speed * void.by_gap } else { 0.0 };
-            let weight = length * flow.share * density;
+            let weight = length * flow.fraction * density;
             for a in 0..3 {
                 let weight = -weight * slope[a];
                 terms.residual[a] += weight * value;
@@ -353,15 +353,15 @@ impl Film {
         let nodes: [(f64, f64); 3] = std::array::from_fn(|b| rough.thickness(at[b]));
         let logarithms = nodes.map(|(thickness, _)| thickness.ln());
         for &[from, to] in self.pairs() {
-            let share = 0.5 * (to - from) as f64;
-            let distance = share * length;
-            let sliding_speed: f64 = mass_rate.relative(speeds, from as f64 - 1.0 + share).iter().sum();
+            let fraction = 0.5 * (to - from) as f64;
+            let distance = fraction * length;
+            let sliding_speed: f64 = mass_rate.relative(speeds, from as f64 - 1.0 + fraction).iter().sum();
             let drop = at[3 + to] - at[3 + from];
             // Means over the pair of c, of c h and of the viscosity, with their derivatives with respect to the three gaps, the drop of pressure and
             // the difference of speeds.
             let (mut c_mean, mut ch_mean, mut viscosity) = (Mean::default(), Mean::default(), Mean::default());
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
-                let shape = quadratic(from as f64 - 1.0 + share * (1.0 + s));
+                let shape = quadratic(from as f64 - 1.0 + fraction * (1.0 + s));
                 let h = sum(&shape, &logarithms).exp();
                 let (phi, phi_slope) = rough.flow_factor(h);
                 let logarithmic: [f64; 3] = std::array::from_fn(|b| h * shape[b] * nodes[b].1 / nodes[b].0);
@@ -525,9 +525,9 @@ mod tests {
             let line = |middle: f64, rise: f64| [middle - rise, middle, middle + rise];
             let (gaps, pressures) = (line(1e-6, 1e-6 * slope), line(1e3, 1e5 * gradient));
             let at: Local = std::array::from_fn(|i| [gaps, pressures, [0.0; 3]][i / 3][i % 3]);
-            let [whole, tearing] =
+            let [whole, cavitating] =
                 [film, Film { cavitates: true, ..film }].map(|f| f.element(1e-4, &at, [0.5 * speed; 2], &MassRate::default()).residual);
-            prop_assert!((whole[0] + 0.5 * whole[1] - tearing[0] - 0.5 * tearing[1]).abs() < 1e-9 * whole[0].abs() + 1e-20);
+            prop_assert!((whole[0] + 0.5 * whole[1] - cavitating[0] - 0.5 * cavitating[1]).abs() < 1e-9 * whole[0].abs() + 1e-20);
         }
     }
 }

@@ -162,7 +162,7 @@ fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
     const CONTACT: (f64, f64) = (0.5, 2.0);
     let edge = |x: f64| ((x - contact) / (EDGES.1 * contact)).atan() + ((x + contact) / (EDGES.1 * contact)).atan();
     let around = |x: f64| (x / (CONTACT.1 * contact)).atan();
-    let share = |x: f64| {
+    let fraction = |x: f64| {
         EDGES.0 * edge(x) / edge(half_width)
             + CONTACT.0 * around(x) / around(half_width)
             + (1.0 - EDGES.0 - CONTACT.0) * x / half_width
@@ -172,7 +172,7 @@ fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
         let (mut low, mut high) = (-half_width, half_width);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            if share(middle) < wanted { low = middle } else { high = middle }
+            if fraction(middle) < wanted { low = middle } else { high = middle }
         }
         0.5 * (low + high)
     };

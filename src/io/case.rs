@@ -479,8 +479,8 @@ mod tests {
         fn altered_files_are_read_or_refused(edits in collection::vec((0.0..1.0, any::<u8>(), 0..5_usize), 1..9)) {
             const WORDS: [&str; 8] = ["\n[[", "\"\"\"", "= nan\n", "1e999", "\n[both]\n", "preset = 'human_normal'\n", "{a = 1}", "\u{feff}"];
             let mut bytes = format!("{}[upper]\nthickness = 1e-3\n", Case::default().fixed_part()).into_bytes();
-            for (share, byte, kind) in edits {
-                let place = (share * bytes.len() as f64) as usize;
+            for (fraction, byte, kind) in edits {
+                let place = (fraction * bytes.len() as f64) as usize;
                 match kind {
                     0 => bytes[place] = byte,
                     1 => bytes[place] ^= 1 << (byte % 8),

@@ -34,6 +34,9 @@ pub struct Roughness {
     pub core_decay: f64,
 }
 
+/// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
+const MIXED_FILM: f64 = 3.0;
+
 /// Value and derivative of amplitude * exp(-x / decay).
 fn exponential(x: f64, amplitude: f64, decay: f64) -> (f64, f64) {
     let value = amplitude * (-x / decay).exp();
@@ -67,6 +70,11 @@ impl Roughness {
         (asperities + core + slope * x.min(0.0), slope / self.rms)
     }
 
+    /// The distance below which rough surfaces count as touching \[m\].
+    pub fn mixed_film(&self) -> f64 {
+        MIXED_FILM * self.rms
+    }
+
     /// The distance at which rough surfaces carry this pressure, which is positive \[m\].
     pub fn gap_at(&self, pressure: f64) -> f64 {
         let (at_zero, slope) = self.pressure(0.0);
@@ -86,7 +94,7 @@ impl Roughness {
 
     /// Fraction of the nominal area where the surfaces would overlap, for Gaussian heights: the bearing area erfc(h / (sqrt(2) sigma)) / 2,
     /// and its derivative with respect to h \[1/m\].
-    pub fn real_contact_share(&self, gap: f64) -> (f64, f64) {
+    pub fn real_contact_fraction(&self, gap: f64) -> (f64, f64) {
         let x = gap / self.rms;
         let density = (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
         (0.5 * libm::erfc(x * std::f64::consts::FRAC_1_SQRT_2), -density / self.rms)
@@ -180,7 +188,7 @@ mod tests {
             let law = if greenwood_tripp { AsperityLaw::GreenwoodTripp } else { AsperityLaw::Exponential };
             let rough = Roughness { law, ..ROUGH };
             let laws: [Law; 5] = [
-                Roughness::pressure, Roughness::real_contact_share, Roughness::thickness, Roughness::flow_factor,
+                Roughness::pressure, Roughness::real_contact_fraction, Roughness::thickness, Roughness::flow_factor,
                 Roughness::inverse_thickness,
             ];
             for (index, f) in laws.into_iter().enumerate() {
@@ -255,6 +263,6 @@ mod tests {
         assert_relative_eq!(ROUGH.thickness(h).0, h, max_relative = 1e-6);
         assert_relative_eq!(ROUGH.flow_factor(h).0, 1.0, max_relative = 1e-6);
         assert_relative_eq!(ROUGH.inverse_thickness(h).0, 1.0 / h, max_relative = 2e-3);
-        assert_relative_eq!(ROUGH.real_contact_share(0.0).0, 0.5, max_relative = 1e-12);
+        assert_relative_eq!(ROUGH.real_contact_fraction(0.0).0, 0.5, max_relative = 1e-12);
     }
 }

@@ -3,6 +3,7 @@
 use super::Outputs;
 use crate::equations::grid;
 use crate::equations::system::{Change, Solved};
+use crate::laws::roughness::Roughness;
 use crate::parameters::Formulation;
 
 /// What can be said of a solution's resolution.
@@ -76,8 +77,9 @@ impl Solved<'_> {
         }
         let consistent = p.formulation == Formulation::Consistent;
         let ends = [pressure[0], pressure[pressure.len() - 1]];
+        let law = system.contact_law();
         let touching =
-            [nodes[0], nodes[nodes.len() - 1]].map(|i| self.state.gap(system, i) < 3.0 * p.surface_roughness);
+            [nodes[0], nodes[nodes.len() - 1]].map(|i| law.touches(self.state.active[i], self.state.gap(system, i)));
         let pressing = |i: &usize| pressure[*i].abs() > LARGE_END * largest;
         let outermost = (0..x.len()).filter(pressing).map(|i| x[i].abs()).fold(0.0, f64::max);
         if touching.contains(&true) || ends.iter().any(|end| end.abs() > LARGE_END * largest) {
@@ -130,7 +132,9 @@ impl Solved<'_> {
                 break;
             }
         }
-        if system.roughness().is_some() && !grid_fits_film(self, &pressure, outputs) {
+        if let Some((roughness, _)) = system.film().rough
+            && !grid_fits_film(self, &roughness, &pressure, outputs)
+        {
             warnings.push(
                 "the film is so thin that its thickness is taken from upstream: its own rolling friction may be off by a tenth and more, its least \
                  thickness by some per cent; load, sliding and boundary friction are not concerned. More mesh.columns help"
@@ -154,7 +158,7 @@ impl Solved<'_> {
 /// is large alone where a film is flat at rest or bends evenly. Where smooth surfaces touch the least thickness is none.
 fn film_error(solved: &Solved<'_>) -> f64 {
     let system = solved.system;
-    if solved.state.active.contains(&true) {
+    if solved.state.touches() {
         return 0.0;
     }
     let film: Vec<f64> = (0..system.stations.len()).map(|i| solved.state.gap(system, i)).collect();
@@ -176,10 +180,10 @@ fn film_error(solved: &Solved<'_>) -> f64 {
 
 /// Whether the film is fine enough for its rolling friction, within some hundredths of all friction: the upstream weight moves the thickness by up to half of
 /// what it changes over a column, and the shear is half of that times the drop of pressure.
-fn grid_fits_film(solved: &Solved<'_>, pressure: &[f64], outputs: &Outputs) -> bool {
+fn grid_fits_film(solved: &Solved<'_>, roughness: &Roughness, pressure: &[f64], outputs: &Outputs) -> bool {
     let gap = |i: usize| solved.state.gap(solved.system, 2 * i);
     let missed = (1..pressure.len())
-        .filter(|i| gap(*i).max(gap(*i - 1)) < 10.0 * solved.system.parameters().surface_roughness)
+        .filter(|i| gap(*i).max(gap(*i - 1)) < 10.0 * roughness.rms)
         .map(|i| 0.25 * ((gap(i) - gap(i - 1)) * (pressure[i] - pressure[i - 1])).abs())
         .sum::<f64>();
     missed * solved.system.parameters().width <= 0.04 * outputs.upper_friction_force.abs()

@@ -50,20 +50,20 @@ impl Cubic {
 
 /// How a quantity between rest and the slowest line depends on the change from rest to that line and on its slope there, by w:
 /// weights of both for the value, and for its derivative with respect to w.
-pub type Shares = [[f64; 2]; 2];
+pub type Weights = [[f64; 2]; 2];
 
 /// With even powers of w.
-pub fn even(w: f64) -> Shares {
+pub fn even(w: f64) -> Weights {
     [[w * w * (2.0 - w * w), 0.5 * w * w * (w * w - 1.0)], [4.0 * w * (1.0 - w * w), w * (2.0 * w * w - 1.0)]]
 }
 
 /// With odd powers of w.
-pub fn odd(w: f64) -> Shares {
+pub fn odd(w: f64) -> Weights {
     [[0.5 * w * (3.0 - w * w), 0.5 * w * (w * w - 1.0)], [1.5 * (1.0 - w * w), 0.5 * (3.0 * w * w - 1.0)]]
 }
 
 /// With |w| and its square.
-pub fn kinked(w: f64) -> Shares {
+pub fn kinked(w: f64) -> Weights {
     [[w * (2.0 - w), w * (w - 1.0)], [2.0 * (1.0 - w), 2.0 * w - 1.0]]
 }
 
@@ -97,11 +97,12 @@ mod tests {
 
     #[test]
     fn between_rest_and_the_slowest_line_values_and_slopes_are_met() {
-        for (shares, power) in [(even as fn(f64) -> Shares, 2), (even, 4), (odd, 1), (odd, 3), (kinked, 1), (kinked, 2)]
+        for (weights, power) in
+            [(even as fn(f64) -> Weights, 2), (even, 4), (odd, 1), (odd, 3), (kinked, 1), (kinked, 2)]
         {
             // w^n changes by 1 from rest to the line, where its slope is n.
             for w in [0.0, 0.3, 1.0] {
-                let [value, slope] = shares(w).map(|[change, slope]| change + slope * f64::from(power));
+                let [value, slope] = weights(w).map(|[change, slope]| change + slope * f64::from(power));
                 assert!((value - w.powi(power)).abs() < 1e-12);
                 assert!((slope - f64::from(power) * w.powi(power - 1)).abs() < 1e-12);
             }

@@ -381,9 +381,9 @@ mod tests {
         #[test]
         fn altered_tables_are_refused_or_evaluated(edits in collection::vec((0.0..1.0, any::<u8>(), 0..5_usize), 1..4)) {
             let mut payload = PAYLOAD.clone();
-            for (share, byte, kind) in edits {
+            for (fraction, byte, kind) in edits {
                 // Sizes and ranges are at the start.
-                let place = (f64::powi(share, 4) * payload.len() as f64) as usize;
+                let place = (f64::powi(fraction, 4) * payload.len() as f64) as usize;
                 match kind {
                     0 => payload[place] = byte,
                     1 => payload[place] ^= 1 << (byte % 8),

@@ -196,8 +196,8 @@ impl Patch {
                 }
             }
             // The full model gives no slopes of these.
-            let share = |fraction: f64, end: usize| if end == 0 { 1.0 - fraction } else { fraction };
-            let weight = share(u.fraction, line) * share(s.fraction, column);
+            let linear = |fraction: f64, end: usize| if end == 0 { 1.0 - fraction } else { fraction };
+            let weight = linear(u.fraction, line) * linear(s.fraction, column);
             let values = &self.by_ratio[index * QUANTITIES..(index + 1) * QUANTITIES];
             local[4].iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * f64::from(*value));
         }
@@ -229,11 +229,11 @@ impl Patch {
         let (even, odd, kinked) = (even(w), odd(w), kinked(w));
         let mut state = [[0.0; QUANTITIES]; 4];
         for q in 0..QUANTITIES {
-            let shares = if INTERPOLATION[q].kinked { kinked } else { even };
+            let weights = if INTERPOLATION[q].kinked { kinked } else { even };
             let kept = |kind: usize| 0.5 * (line[kind][q] + mirror[kind][q]);
             let reversed = |kind: usize| 0.5 * (line[kind][q] - mirror[kind][q]);
             let blend = |kind: usize, derivative: usize| {
-                let ([change, slope], [end, end_slope]) = (shares[derivative], odd[derivative]);
+                let ([change, slope], [end, end_slope]) = (weights[derivative], odd[derivative]);
                 change * (kept(kind) - rest[kind][q])
                     + slope * kept(kind + 2)
                     + end * reversed(kind)

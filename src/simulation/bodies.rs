@@ -1,8 +1,8 @@
 //! The equations of one body and its mirror image or of two, and solutions of them.
 
 use crate::equations::grid;
+use crate::equations::system::System;
 pub(super) use crate::equations::system::{State, Task};
-use crate::equations::system::{System, boundary_friction};
 use crate::error::Error;
 use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
@@ -50,8 +50,7 @@ impl Bodies {
 
     /// Whether boundary friction pulls the two bodies apart sideways.
     pub fn drags(&self, state: &State) -> bool {
-        (state.touches() || self.parameters.surface_roughness > 0.0)
-            && boundary_friction(&self.parameters, &state.inputs) != 0.0
+        self.made(state.mirrored).is_some_and(|system| system.drags(state))
     }
 
     /// The equations of a state, on its mesh.

@@ -139,7 +139,7 @@ pub(super) fn by_time(bodies: &mut Bodies, last: &Step) -> Result<Outputs, Strin
             let change = system::Perturbation { direction, history: None, residual: rate.collect() };
             let mut changes = changes(bodies, &short_step, vec![Perturbation { change, load }])?;
             // What leaves the tissue into the film also changes with the rate of the film's mass.
-            let film = StoredVolumes { volume: Vec::new(), film: motion.trend.film.clone(), stations: Vec::new() };
+            let film = StoredVolumes { volume: Vec::new(), film: motion.film_trend.clone(), stations: Vec::new() };
             changes.iter_mut().for_each(|change| change.history = Some(film.clone()));
             changes
         }

@@ -144,12 +144,12 @@ impl Simulation {
         let mirrored = state.mirrored && next.bodies.equal();
         let mut state = State { rates: None, ..self.bodies.converted(state, mirrored) };
         let grid = Grid::new(parameters, state.contact_half_width);
-        let count = next.bodies.system(mirrored).unknowns();
-        let rough = |parameters: &Parameters| parameters.surface_roughness > 0.0;
+        let system = next.bodies.system(mirrored);
+        let (count, contact_law) = (system.unknowns(), system.contact_law());
         if count != state.unknowns.len() || grid.stations.len() != state.active.len() {
             return Err(Error::State("another mesh needs a new run".into()));
         }
-        if rough(parameters) != rough(self.parameters()) {
+        if !contact_law.same_kind(&self.bodies.system_of(&state).contact_law()) {
             return Err(Error::State("rough surfaces stay rough and smooth ones smooth during a run".into()));
         }
         state.unknowns = self.bodies.system_of(&state).interpolated(&state.unknowns, &grid);

@@ -8,6 +8,7 @@ use crate::equations::load::LARGEST_APPROACH;
 use crate::equations::system::System;
 use crate::parameters::{Control, Inputs};
 use crate::solver::linear::Singular;
+use crate::solver::predictor::proportion;
 
 /// Changes of what is given: depth or load, speed, slide-to-roll ratio, and the logarithm of the film's viscosity.
 pub(super) type Changes = [f64; 4];
@@ -66,28 +67,24 @@ pub(super) struct PredictorError {
 impl PredictorError {
     /// What was missed by these changes, after what was missed before.
     pub fn new(before: Option<&Self>, changes: Changes, solved: &State, predicted: &State) -> Self {
-        let of = |state: &State| [&state.unknowns[..], &[state.inputs.penetration_depth]].concat();
-        let now: Vec<f64> = of(solved).into_iter().zip(of(predicted)).map(|(z, p)| z - p).collect();
-        let next = match before.and_then(|before| Some((&before.now, before.share(changes)?))) {
-            Some((before, share)) => now.iter().zip(before).map(|(now, before)| 2.0 * now - share * before).collect(),
+        let [solved, predicted] = [solved, predicted].map(unknowns_and_depth);
+        let now: Vec<f64> = solved.into_iter().zip(predicted).map(|(z, p)| z - p).collect();
+        let next = match before.and_then(|before| Some((&before.now, before.ratio(changes)?))) {
+            Some((before, ratio)) => now.iter().zip(before).map(|(now, before)| 2.0 * now - ratio * before).collect(),
             None => now.clone(),
         };
         Self { changes, now, next }
     }
 
     /// How many times as far these changes go in the same direction; none if in another.
-    fn share(&self, changes: Changes) -> Option<f64> {
+    fn ratio(&self, changes: Changes) -> Option<f64> {
         proportion(changes, self.changes)
     }
 }
 
-/// How many times as far as before changes go in the same direction; none if in another, or much further.
-fn proportion(now: Changes, then: Changes) -> Option<f64> {
-    const ALIKE: f64 = 0.3;
-    let mut shares = now.into_iter().zip(then).filter(|(now, then)| *now != 0.0 || *then != 0.0);
-    let share = shares.next().map(|(now, then)| now / then)?;
-    let alike = shares.all(|(now, then)| (now / then - share).abs() <= ALIKE * share.abs());
-    (alike && share.abs() < 3.0).then_some(share)
+/// The unknowns, and then the depth.
+pub(super) fn unknowns_and_depth(state: &State) -> Vec<f64> {
+    [&state.unknowns[..], &[state.inputs.penetration_depth]].concat()
 }
 
 /// A guess of a state, from what it was predicted, and how far it may be trusted.
@@ -112,19 +109,19 @@ pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact
         let steps = proportion(changes(&now.target(), target, control), way)?;
         let growth = |from: f64, to: f64| (to / from).ln();
         let last = growth(before.contact_half_width, now.contact_half_width);
-        let share = if last == 0.0 { steps } else { growth(now.contact_half_width, contact) / last };
-        (0.0..=3.0).contains(&share).then_some((before, share))
+        let steps = if last == 0.0 { steps } else { growth(now.contact_half_width, contact) / last };
+        (0.0..=3.0).contains(&steps).then_some((before, steps))
     });
-    if let Some((before, share)) = before {
+    if let Some((before, steps)) = before {
         let mut carried = before.unknowns.clone();
         let last = system.carry(&mut carried, before.contact_half_width, now.contact_half_width);
         let proportional = guess.unknowns.clone();
         for ((value, now), carried) in guess.unknowns.iter_mut().zip(&now.unknowns).zip(&carried) {
-            *value += share * ratio * (now - carried);
+            *value += steps * ratio * (now - carried);
         }
         system.keep_films(&mut guess.unknowns, &proportional);
         guess.inputs.penetration_depth +=
-            share * ratio * (now.inputs.penetration_depth - last * before.inputs.penetration_depth);
+            steps * ratio * (now.inputs.penetration_depth - last * before.inputs.penetration_depth);
     }
     if control == Control::Depth {
         system.compress(&mut guess.unknowns, target.inputs.penetration_depth - guess.inputs.penetration_depth);
@@ -147,10 +144,11 @@ pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, contr
     let mut estimate = PredictorEstimate { step: system.relative_size(&guess.unknowns, &update), corrected: 0.0 };
     system.apply(&mut guess.unknowns, &update, &guess.active);
     let by_tangent = guess.clone();
-    if let Some((predictor_error, share)) =
-        reusable.and_then(|reusable| reusable.predictor_error.as_ref()).and_then(|m| Some((m, m.share(changes)?)))
+    if let Some((error, steps)) = reusable
+        .and_then(|reusable| reusable.predictor_error.as_ref())
+        .and_then(|error| Some((error, error.ratio(changes)?)))
     {
-        let mut correction: Vec<f64> = predictor_error.next.iter().map(|missed| -share * missed).collect();
+        let mut correction: Vec<f64> = error.next.iter().map(|missed| -steps * missed).collect();
         let approach = -correction.pop().unwrap_or_default();
         estimate.corrected = system.relative_size(&guess.unknowns, &correction);
         system.apply(&mut guess.unknowns, &correction, &guess.active);

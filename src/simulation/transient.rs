@@ -1,68 +1,35 @@
 //! Steps in time by [`runge_kutta`], with internal steps of their own choice.
 //!
 //! A one-step method, because inputs may jump wherever the importer sets them: what is stored (J of the tissue, r h of the
-//! film) goes on from where it was, and nothing older matters. Internal steps are the communication step halved again and
-//! again, so that a small change of the inputs does not change them.
+//! film) goes on from where it was, and nothing older matters. Internal steps are those of [`time_stepping`].
 
 use serde::{Deserialize, Serialize};
 
 use super::bodies::{Bodies, PredictorEstimate, State, Task};
 use super::drive::Drive;
+use super::predictor::unknowns_and_depth;
 use super::steady::PATIENCE;
 use crate::equations::system::{Rates, StoredVolumes, System};
 use crate::error::Error;
 use crate::parameters::Control;
 use crate::solver::deadline::Deadline;
 use crate::solver::newton;
+use crate::solver::predictor::Trend;
 use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
+use crate::solver::time_stepping::{self, Failure, Method, Stuck};
 
 /// Most Newton iterations of a stage; where it takes more, a shorter step is the better way.
 const ITERATIONS: usize = 12;
 /// Most of them with an update larger than the unknowns.
 const LARGE_UPDATES: usize = 3;
-/// Internal steps are no shorter than the communication step over two to this power.
-const HALVINGS: i32 = 24;
-/// Most internal steps of a communication step, tried and taken: a host tool must not wait for ever.
-const MOST_TRIALS: usize = 20_000;
-
-/// How unknowns and depth move beyond what the mesh carries along, where to start looking for the next stage. From the changes within the last
-/// two steps alone: from step to step the unknowns may jump with the rates of the inputs.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Trend {
-    /// Rates of change between the two stages of the last step, unknowns and then the depth; empty where nothing is known.
-    rates: Vec<f64>,
-    /// How fast these change; empty likewise.
-    changes: Vec<f64>,
-    /// Half the time between those stages \[s\].
-    half: f64,
-    /// How fast the rate of the film's mass changes \[m^2/s^2\].
-    pub film: Vec<[f64; 3]>,
-}
-
-impl Trend {
-    /// What changes in an interval that begins so much after the last step, negative as an update of Newton's method.
-    fn update(&self, after: f64, interval: f64) -> Vec<f64> {
-        let mut update: Vec<f64> = self.rates.iter().map(|rate| -interval * rate).collect();
-        let factor = interval * (self.half + after + 0.5 * interval);
-        update.iter_mut().zip(&self.changes).for_each(|(update, change)| *update -= factor * change);
-        update
-    }
-
-    /// After a step whose second stage came from what the mesh had carried to it, so much after the first.
-    fn followed(&self, carried: &State, solved: &State, interval: f64, step: f64) -> Self {
-        let of = |state: &State| [&state.unknowns[..], &[state.inputs.penetration_depth]].concat();
-        let rates: Vec<f64> =
-            of(carried).iter().zip(of(solved)).map(|(before, now)| (now - before) / interval).collect();
-        let between = self.half + step - 0.5 * interval;
-        let changes = rates.iter().zip(&self.rates).map(|(now, before)| (now - before) / between).collect();
-        Self { rates, changes, half: 0.5 * interval, film: Vec::new() }
-    }
-}
 
 /// What the next step in time goes by.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Motion {
-    pub trend: Trend,
+    /// How unknowns and depth move beyond what the mesh carries along, to where the next stage is expected.
+    trend: Trend,
+    /// How fast the rate of the film's mass changes \[m^2/s^2\].
+    pub film_trend: Vec<[f64; 3]>,
     /// Length of the next internal step \[s\].
     suggestion: f64,
     /// Where the last tangent was formed.
@@ -74,12 +41,9 @@ pub(super) struct Motion {
 impl Motion {
     /// Whether it is of these equations.
     pub fn fits(&self, system: &System) -> bool {
-        let fits = |values: &Vec<f64>| values.is_empty() || values.len() == system.unknowns() + 1;
-        let film = |trend: &Trend| trend.film.is_empty() || trend.film.len() == system.stations.len() / 2;
-        let trend = |trend: &Trend| fits(&trend.rates) && fits(&trend.changes) && film(trend);
         let contact = self.course.contact_half_width;
-        trend(&self.trend)
-            && trend(&self.course.trend)
+        [&self.trend, &self.course.trend].into_iter().all(|trend| trend.fits(system.unknowns() + 1))
+            && self.film_trend.len() == system.stations.len() / 2
             && contact.is_finite()
             && contact >= 0.0
             && system.admits(&self.course.start)
@@ -129,52 +93,54 @@ pub(super) fn history(
 
 /// How far an integration is.
 struct TimeStepper<'a> {
+    bodies: &'a mut Bodies,
+    drive: &'a Drive,
     course: &'a Course,
     duration: f64,
     state: State,
     stored_volumes: StoredVolumes,
     trend: Trend,
+    film_trend: Vec<[f64; 3]>,
     /// Where the last tangent was formed.
     reusable: Option<State>,
     iterations: usize,
 }
 
 impl<'a> TimeStepper<'a> {
-    fn new(bodies: &mut Bodies, course: &'a Course, duration: f64, reusable: Option<State>) -> Self {
+    fn new(
+        bodies: &'a mut Bodies,
+        drive: &'a Drive,
+        course: &'a Course,
+        duration: f64,
+        reusable: Option<State>,
+    ) -> Self {
         let state = course.start.clone();
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
-        Self { course, duration, state, stored_volumes, trend: course.trend.clone(), reusable, iterations: 0 }
+        let (trend, film_trend) = (course.trend.clone(), Vec::new());
+        Self { bodies, drive, course, duration, state, stored_volumes, trend, film_trend, reusable, iterations: 0 }
     }
 
     /// Both stages of an internal step; `visit` is told of each with the time from the start.
     fn stages(
         &mut self,
-        bodies: &mut Bodies,
-        drive: &Drive,
         time: f64,
         step: f64,
         mut visit: impl FnMut(&mut Bodies, &Stage, f64) -> Result<(), String>,
     ) -> Result<[Stage; 2], String> {
         let [formula, last] = runge_kutta::stages(step);
         let end = time + formula.time;
-        let first = self.stage(bodies, None, drive, end, formula)?;
-        visit(bodies, &first, end)?;
+        let first = self.stage(None, end, formula)?;
+        visit(self.bodies, &first, end)?;
         let end = time + last.time;
-        let second = self.stage(bodies, Some(&first), drive, end, last)?;
-        visit(bodies, &second, end)?;
+        let second = self.stage(Some(&first), end, last)?;
+        visit(self.bodies, &second, end)?;
         Ok([first, second])
     }
 
-    fn stage(
-        &mut self,
-        bodies: &mut Bodies,
-        first: Option<&Stage>,
-        drive: &Drive,
-        time: f64,
-        formula: runge_kutta::Stage,
-    ) -> Result<Stage, String> {
+    fn stage(&mut self, first: Option<&Stage>, time: f64, formula: runge_kutta::Stage) -> Result<Stage, String> {
+        let bodies = &mut *self.bodies;
         let parameters = bodies.parameters;
-        let inputs = &drive.at(time);
+        let inputs = &self.drive.at(time);
         let later = formula.time - first.map_or(0.0, |first| first.formula.time);
         let before = first.map_or(&self.state, |first| &first.state);
         let carried = carried(bodies, before, self.course.contact_half_width(time / self.duration));
@@ -212,16 +178,42 @@ impl<'a> TimeStepper<'a> {
         let rate = rates.of(&stored_volumes);
         Ok(Stage { formula, state, rate, stored_volumes, carried })
     }
+}
 
-    fn accept(&mut self, bodies: &Bodies, [first, second]: [Stage; 2], step: f64) {
-        let between = (1.0 - GAMMA) * step;
-        let film = second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film;
-        let mut trend = self.trend.followed(&second.carried, &second.state, between, step);
-        if bodies.parameters.cavitation {
-            // A film that cavitates and heals moves with kinks.
-            trend.changes.clear();
+/// Why an integration ended early.
+enum Reason {
+    /// Friction pulls the bodies of a mirrored pair apart sideways.
+    Dragged,
+    Words(String),
+}
+
+impl From<String> for Reason {
+    fn from(words: String) -> Self {
+        Self::Words(words)
+    }
+}
+
+impl Method for TimeStepper<'_> {
+    type Step = [Stage; 2];
+    type Reason = Reason;
+
+    fn attempt(&mut self, time: f64, step: f64) -> Result<([Stage; 2], f64), Failure<Reason>> {
+        let stages = self.stages(time, step, |_, _, _| Ok(())).map_err(|words| Failure::Retry(words.into()))?;
+        let state = &stages[1].state;
+        if state.mirrored && self.bodies.drags(state) {
+            return Err(Failure::Stop(Reason::Dragged));
         }
-        self.trend = Trend { film, ..trend };
+        let growth = growth(self.bodies, &stages, self.state.rates.as_ref());
+        growth.map(|growth| (stages, growth)).map_err(|words| Failure::Retry(words.into()))
+    }
+
+    fn accept(&mut self, [first, second]: [Stage; 2], step: f64) {
+        let between = (1.0 - GAMMA) * step;
+        self.film_trend = second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film;
+        let [carried, solved] = [&second.carried, &second.state].map(unknowns_and_depth);
+        let trend = self.trend.followed([&carried, &solved], between, step);
+        // A film that cavitates and heals moves with kinks.
+        self.trend = if self.bodies.parameters.cavitation { trend.straight() } else { trend };
         self.state = State { rates: Some(Rates::known(second.rate)), ..second.state };
         self.stored_volumes = second.stored_volumes;
     }
@@ -260,14 +252,20 @@ pub(super) fn advance(
         if apart && course.start.mirrored {
             course = separate(bodies, course);
         }
+        let longest = bodies.parameters.maximum_internal_step;
         let reusable = motion.and_then(|motion| motion.reusable.clone());
-        let (result, iterations) = integrate(bodies, &course, drive, duration, suggestion, reusable);
+        let mut stepper = TimeStepper::new(bodies, drive, &course, duration, reusable);
+        let result = time_stepping::advance(&mut stepper, duration, suggestion, longest);
+        let TimeStepper { state, trend, film_trend, reusable, iterations, .. } = stepper;
         spent += iterations;
         match result {
-            Ok((state, motion)) => return Ok((state, motion, spent)),
-            // Friction pulls the bodies apart sideways: the step starts anew with both of them.
-            Err(Stop::Dragged) => apart = true,
-            Err(Stop::Stuck { time, reason }) => {
+            Ok((steps, suggestion)) => {
+                let course = Course { steps, ..course };
+                return Ok((state, Motion { trend, film_trend, suggestion, reusable, course }, spent));
+            }
+            // The step starts anew with both bodies.
+            Err(Stuck { reason: Reason::Dragged, .. }) => apart = true,
+            Err(Stuck { time, reason: Reason::Words(reason) }) => {
                 let described = |time| drive.at(time).described(bodies.parameters.control);
                 return Err(Error::NotConverged {
                     requested: format!("the end of a step of {duration} s ({})", described(duration)),
@@ -282,74 +280,12 @@ pub(super) fn advance(
 
 /// From a mirrored pair to two bodies.
 fn separate(bodies: &mut Bodies, course: Course) -> Course {
-    let trend = Trend { film: course.trend.film, ..Trend::default() };
-    Course { start: bodies.converted(course.start, false), trend, ..course }
+    Course { start: bodies.converted(course.start, false), trend: Trend::default(), ..course }
 }
 
 /// The same motion in the unknowns of two bodies.
 pub(super) fn apart(bodies: &mut Bodies, motion: &Motion) -> Motion {
     Motion { reusable: None, course: separate(bodies, motion.course.clone()), ..motion.clone() }
-}
-
-/// Why an integration ended early.
-enum Stop {
-    Dragged,
-    Stuck { time: f64, reason: String },
-}
-
-fn integrate(
-    bodies: &mut Bodies,
-    course: &Course,
-    drive: &Drive,
-    duration: f64,
-    suggestion: f64,
-    reusable: Option<State>,
-) -> (Result<(State, Motion), Stop>, usize) {
-    let longest = bodies.parameters.maximum_internal_step;
-    let shortest = f64::from(-HALVINGS).exp2();
-    let mut stepper = TimeStepper::new(bodies, course, duration, reusable);
-    let (mut done, mut wanted, mut steps) = (0.0, suggestion, Vec::new());
-    let mut trials = 0;
-    while done < 1.0 {
-        trials += 1;
-        let fraction = fraction_of_step(done, (1.2 * wanted).min(longest) / duration);
-        let (time, step) = (done * duration, fraction * duration);
-        let stuck = |reason| Stop::Stuck { time, reason };
-        if trials > MOST_TRIALS {
-            let reason = format!("{MOST_TRIALS} internal steps were not enough");
-            return (Err(stuck(reason)), stepper.iterations);
-        }
-        let tried = stepper.stages(bodies, drive, time, step, |_, _, _| Ok(()));
-        let tried = tried.and_then(|stages| Ok((growth(bodies, &stages, stepper.state.rates.as_ref())?, stages)));
-        match tried {
-            Ok((_, [_, second])) if second.state.mirrored && bodies.drags(&second.state) => {
-                return (Err(Stop::Dragged), stepper.iterations);
-            }
-            Ok((factor, _)) if factor < 1.0 && fraction > shortest => wanted = step * (0.9 * factor).clamp(0.1, 0.4),
-            Ok((factor, stages)) => {
-                stepper.accept(bodies, stages, step);
-                steps.push(step);
-                done += fraction;
-                wanted = step * (0.9 * factor).min(4.0);
-            }
-            Err(_) if fraction > shortest => wanted = 0.2 * step,
-            Err(reason) => return (Err(stuck(reason)), stepper.iterations),
-        }
-    }
-    let TimeStepper { state, trend, reusable, iterations, .. } = stepper;
-    let course = Course { steps, ..course.clone() };
-    (Ok((state, Motion { trend, suggestion: wanted, reusable, course })), iterations)
-}
-
-/// The next internal step as a fraction of the communication step: one over a power of two, not above `most`, and ending where
-/// steps of that length end.
-fn fraction_of_step(done: f64, most: f64) -> f64 {
-    let mut fraction = most.min(1.0).log2().floor().exp2();
-    // Exact: both are sums of powers of two.
-    while (done / fraction).fract() != 0.0 {
-        fraction *= 0.5;
-    }
-    fraction
 }
 
 /// By how much the step could have been longer for the error that is allowed; below 1 it was too long.
@@ -384,11 +320,11 @@ pub(super) fn replay(
 ) -> Result<(), String> {
     // Long after the step, perhaps.
     bodies.deadline = Deadline::after(bodies.parameters.maximum_solve_time);
-    let mut stepper = TimeStepper::new(bodies, course, duration, None);
+    let mut stepper = TimeStepper::new(bodies, drive, course, duration, None);
     let mut time = 0.0;
     for step in &course.steps {
-        let stages = stepper.stages(bodies, drive, time, *step, &mut visit)?;
-        stepper.accept(bodies, stages, *step);
+        let stages = stepper.stages(time, *step, &mut visit)?;
+        stepper.accept(stages, *step);
         time += step;
     }
     Ok(())

@@ -1,7 +1,9 @@
-//! Numbers only, no physics: linear elimination, Newton's method, continuation.
+//! Numbers only, no physics: linear elimination, Newton's method, continuation, steps in time.
 
 pub mod continuation;
 pub mod deadline;
 pub mod linear;
 pub mod newton;
+pub mod predictor;
 pub mod runge_kutta;
+pub mod time_stepping;

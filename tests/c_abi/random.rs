@@ -20,7 +20,7 @@ impl Random {
         (self.0 >> 33) as usize % count
     }
 
-    pub fn share(&mut self) -> f64 {
+    pub fn fraction(&mut self) -> f64 {
         self.below(1 << 20) as f64 / f64::from(1 << 20)
     }
 
@@ -42,9 +42,11 @@ impl Random {
         match (self.below(4), range) {
             (0, _) | (_, None) => ODD[self.below(ODD.len())],
             (1, Some((least, most))) => [least, most][self.below(2)],
-            (_, Some((least, most))) if least > 0.0 => least * (most / least).powf(self.share()),
+            (_, Some((least, most))) if least > 0.0 => least * (most / least).powf(self.fraction()),
             // Small ones are what people use.
-            (_, Some((least, most))) => (least + (most - least) * self.share()) * 10_f64.powi(-(self.below(6) as i32)),
+            (_, Some((least, most))) => {
+                (least + (most - least) * self.fraction()) * 10_f64.powi(-(self.below(6) as i32))
+            }
         }
     }
 }

@@ -40,9 +40,9 @@ struct Counts {
 /// A value within the range, over orders of magnitude where it has them.
 fn number(random: &mut Random, least: f64, most: f64) -> f64 {
     if least > 0.0 {
-        least * (most / least).powf(random.share())
+        least * (most / least).powf(random.fraction())
     } else {
-        (least + (most - least) * random.share()) * 10_f64.powf(-6.0 * random.share())
+        (least + (most - least) * random.fraction()) * 10_f64.powf(-6.0 * random.fraction())
     }
 }
 
@@ -76,7 +76,7 @@ fn walk(seed: u64, limit: f64, counts: &mut Counts) {
     fmu.set_integer("mesh.columns", 16 + random.below(25) as i32);
     fmu.set_integer("mesh.rows", 2 + random.below(3) as i32);
     let set_inputs = |random: &mut Random| {
-        let depth = [1e-5, 1e-4, 1e-3][random.below(3)] * (2.0 * random.share() - 1.0);
+        let depth = [1e-5, 1e-4, 1e-3][random.below(3)] * (2.0 * random.fraction() - 1.0);
         fmu.set_real("penetration_depth", depth);
         fmu.set_real("sliding_speed", number(random, -10.0, 10.0));
         fmu.set_real("slide_to_roll_ratio", if random.below(2) == 0 { 0.0 } else { number(random, -10.0, 10.0) });
@@ -181,7 +181,7 @@ fn drive(
         }
         let before = fmu.get_real("load");
         set_inputs(&mut random);
-        let size = 10_f64.powf(sizes.start + (sizes.end - sizes.start) * random.share());
+        let size = 10_f64.powf(sizes.start + (sizes.end - sizes.start) * random.fraction());
         status = timed(counts, &|| fmu.step(time, size));
         if status == OK {
             time += size;

@@ -41,7 +41,7 @@ fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-fn tearing(columns: i32, cavitation_pressure: f64) -> Parameters {
+fn cavitating(columns: i32, cavitation_pressure: f64) -> Parameters {
     let mut parameters = Parameters { cavitation: true, cavitation_pressure, ..rigid_bodies() };
     parameters.mesh.columns = columns;
     parameters
@@ -73,7 +73,7 @@ fn rolling(h: impl Fn(f64) -> f64, end: f64, cavitation_pressure: f64) -> Rollin
 
 fn rolled(columns: i32, clearance: f64, cavitation_pressure: f64, speed: f64) -> (Simulation, Outputs) {
     let steady = TimeIntegration::QuasiSteady;
-    let parameters = Parameters { time_integration: steady, ..tearing(columns, cavitation_pressure) };
+    let parameters = Parameters { time_integration: steady, ..cavitating(columns, cavitation_pressure) };
     let mut simulation = Simulation::new(&parameters).unwrap();
     let inputs = Inputs { penetration_depth: -clearance, sliding_speed: speed, ..Inputs::NONE };
     simulation.solve_steady(inputs).unwrap();
@@ -153,7 +153,7 @@ fn a_film_pulled_apart_tears_and_heals() {
         let (pulled, drawn) = cubes(a, t);
         (-cavitation_pressure - pulled) / drawn
     };
-    let mut parameters = Parameters { relative_tolerance: 1e-4, ..tearing(240, cavitation_pressure) };
+    let mut parameters = Parameters { relative_tolerance: 1e-4, ..cavitating(240, cavitation_pressure) };
     parameters.maximum_internal_step = 1e-3;
     let mut simulation = Simulation::new(&parameters).unwrap();
     let still = Inputs { penetration_depth: -clearance, ..Inputs::NONE };

@@ -47,8 +47,8 @@ fn exact([xi, b, a]: Law, l: f64, m: f64) -> [f64; 2] {
     }
     let (j, first) = (l * m, l * l + m * m + 1.0);
     let matrix = |l: f64, m: f64| G * j.powf(-2.0 / 3.0) * (l - first / (3.0 * l)) + K * (j - 1.0) * m;
-    let share = 1.0 / (COUNT * COUNT) as f64;
-    [matrix(l, m) + share * fibres[0], matrix(m, l) + share * fibres[1]]
+    let weight = 1.0 / (COUNT * COUNT) as f64;
+    [matrix(l, m) + weight * fibres[0], matrix(m, l) + weight * fibres[1]]
 }
 
 /// Root of an increasing function.

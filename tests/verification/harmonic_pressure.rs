@@ -53,16 +53,16 @@ fn answer(q: f64, consistent: bool, speed: f64) -> [[f64; 2]; 3] {
         let sum = |wave: fn(f64) -> f64| (0..last).map(|i| value(i) * wave(q * lengths[i] / T)).sum::<f64>();
         [2.0 / amplitude * sum(f64::cos), -2.0 / amplitude * sum(f64::sin)]
     };
-    let shares = last as f64;
+    let intervals = last as f64;
     let inflow = |i: usize| {
         let other = if i == 0 { strip.reactions[P][strip.node(last, 0)] } else { 0.0 };
         strip.reactions[P][strip.node(i, 0)] + other
     };
     let wavelength = lengths[last];
     [
-        fourier(&|i| strip.value(Y, strip.node(i, 0)) * G / T / shares),
+        fourier(&|i| strip.value(Y, strip.node(i, 0)) * G / T / intervals),
         fourier(&|i| -inflow(i) * T / K / wavelength),
-        fourier(&|i| strip.value(P, strip.node(i, base)) / shares),
+        fourier(&|i| strip.value(P, strip.node(i, base)) / intervals),
     ]
 }
 

@@ -62,10 +62,10 @@ pub(super) fn on_glass() -> Result<Row, Error> {
         (on_flat_glass(QUICK, TimeIntegration::Transient), on_flat_glass(1.0, TimeIntegration::QuasiSteady));
     let summary = |parameters: &Parameters| {
         let states = stationary(parameters)?;
-        let shares: Vec<_> = states.iter().map(|(time, o)| (*time, o.fluid_load_support)).collect();
+        let supports: Vec<_> = states.iter().map(|(time, o)| (*time, o.fluid_load_support)).collect();
         let first = states.first().map(|state| state.1.clone()).unwrap_or_default();
         let last = states.last().map(|state| state.1.clone()).unwrap_or_default();
-        Ok::<_, Error>((states, first, last, falls_to(0.087, &shares).unwrap_or(f64::NAN)))
+        Ok::<_, Error>((states, first, last, falls_to(0.087, &supports).unwrap_or(f64::NAN)))
     };
     let (states, first, last, time) = summary(&resting)?;
     let (_, finer_first, finer_last, finer_time) = summary(&finer(&resting))?;
@@ -78,8 +78,8 @@ pub(super) fn on_glass() -> Result<Row, Error> {
     };
     let end = states.last().map_or(1.0, |state| state.0);
     let start = states.first().map_or(1.0, |state| state.0);
-    // mu_eq (1 - (1 - phi) share), the law that they fitted: what their own share asks for.
-    let law = |share: f64| 0.284 * (1.0 - (1.0 - 0.017) * share);
+    // mu_eq (1 - (1 - phi) support), the law that they fitted: what their own fluid load support asks for.
+    let law = |support: f64| 0.284 * (1.0 - (1.0 - 0.017) * support);
     Ok(Row {
         stem: "experiments_friction",
         title: "Friction of cartilage on glass",

@@ -9,12 +9,12 @@ use crate::cli::figures::experiments::{Curve, Origin, Picture};
 use crate::cli::figures::panel::Scale;
 use crate::cli::format;
 
-/// Time until the fluid's share has fallen to half of its largest value, and the contact's half-width at that time.
+/// Time until the fluid load support has fallen to half of its largest value, and the contact's half-width at that time.
 fn half_life(states: &[(f64, Outputs)]) -> (f64, f64) {
     let held = &states[9..];
     let most = held.iter().map(|state| state.1.fluid_load_support).fold(0.0, f64::max);
-    let shares: Vec<_> = held.iter().map(|(time, o)| (*time, o.fluid_load_support)).collect();
-    let time = falls_to(0.5 * most, &shares).unwrap_or(f64::NAN);
+    let supports: Vec<_> = held.iter().map(|(time, o)| (*time, o.fluid_load_support)).collect();
+    let time = falls_to(0.5 * most, &supports).unwrap_or(f64::NAN);
     let width = held.iter().find(|state| state.0 >= time).map_or(f64::NAN, |state| state.1.contact_length);
     (0.5 * width, time)
 }

@@ -41,10 +41,10 @@ pub(super) fn peclet() -> Result<Row, Error> {
     let half_width = states[0].3.mesh_half_width;
     let pushing = with_error(&base, half_width, |parameters| Ok(slope(&sweep(parameters)?, true)))?;
     let net = with_error(&base, half_width, |parameters| Ok(slope(&sweep(parameters)?, false)))?;
-    // Smooth surfaces whose film tears where it would pull: with roughness such a film is not modelled.
-    let torn = Parameters { surface_roughness: 0.0, cavitation: true, cavitation_pressure: 0.0, ..base };
-    let without_suction = sweep(&torn)?;
-    let linear = with_error(&torn, half_width, |parameters| Ok(slope(&sweep(parameters)?, false)))?;
+    // Smooth surfaces whose film cavitates where it would pull: with roughness such a film is not modelled.
+    let cavitating = Parameters { surface_roughness: 0.0, cavitation: true, cavitation_pressure: 0.0, ..base };
+    let without_suction = sweep(&cavitating)?;
+    let linear = with_error(&cavitating, half_width, |parameters| Ok(slope(&sweep(parameters)?, false)))?;
     let modulus = body.bulk_modulus + 4.0 / 3.0 * body.shear_modulus;
     let a = 0.5 * states[0].3.contact_length;
     let number = |speed: f64| 0.5 * speed * a * base.viscosity / (body.permeability * modulus);

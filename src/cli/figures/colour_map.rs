@@ -39,8 +39,8 @@ pub struct ColourMap {
 
 impl ColourMap {
     fn shade(&self, value: f64) -> usize {
-        let share = (value - self.range.0) / (self.range.1 - self.range.0);
-        ((share * SHADES as f64).floor().max(0.0) as usize).min(SHADES - 1)
+        let fraction = (value - self.range.0) / (self.range.1 - self.range.0);
+        ((fraction * SHADES as f64).floor().max(0.0) as usize).min(SHADES - 1)
     }
 
     fn colour(shade: usize) -> RGBColor {
@@ -53,7 +53,7 @@ impl ColourMap {
 
     /// An upright bar with round numbers and a label.
     pub fn bar(&self, canvas: &dyn Canvas, (left, top, right, bottom): Frame, label: &str) -> Result<(), String> {
-        let at = |share: f64| bottom - share * (bottom - top);
+        let at = |fraction: f64| bottom - fraction * (bottom - top);
         for shade in 0..SHADES {
             // Down to the bottom, so that no seam shows where the next shade begins.
             let upper = at((SHADES - shade) as f64 / SHADES as f64);

@@ -80,8 +80,8 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
         .filter(|pair| (pair[0].inputs.sliding_speed < 0.0) != (pair[1].inputs.sliding_speed < 0.0))
         .map(|pair| {
             let [a, b] = [&pair[0], &pair[1]];
-            let share = a.inputs.sliding_speed / (a.inputs.sliding_speed - b.inputs.sliding_speed);
-            (a.phase + share * (b.phase - a.phase), palette::GREY)
+            let fraction = a.inputs.sliding_speed / (a.inputs.sliding_speed - b.inputs.sliding_speed);
+            (a.phase + fraction * (b.phase - a.phase), palette::GREY)
         })
         .collect();
     let panel = |title: &str, label: &str, scale: Scale, lines: Vec<Line>| {

@@ -26,7 +26,7 @@ fn name(index: usize) -> String {
     format!("a{index}")
 }
 
-fn shares(RGBColor(r, g, b): RGBColor) -> [f32; 3] {
+fn components(RGBColor(r, g, b): RGBColor) -> [f32; 3] {
     [r, g, b].map(|part| f32::from(part) / 255.0)
 }
 
@@ -43,14 +43,14 @@ impl Page<'_> {
             opacities.push(opacity);
             opacities.len() - 1
         });
-        let [r, g, b] = shares(colour);
+        let [r, g, b] = components(colour);
         self.content.borrow_mut().set_parameters(Name(name(index).as_bytes())).set_fill_rgb(r, g, b);
     }
 }
 
 impl Canvas for Page<'_> {
     fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Result<(), String> {
-        let [r, g, b] = shares(colour);
+        let [r, g, b] = components(colour);
         let mut content = self.content.borrow_mut();
         content.set_stroke_rgb(r, g, b).set_line_width(width as f32);
         for (index, (x, y)) in points.iter().enumerate() {
@@ -81,7 +81,7 @@ impl Canvas for Page<'_> {
             content.fill_nonzero();
         } else {
             // Its edge too: viewers smooth edges, and a seam would show between neighbours.
-            let [r, g, b] = shares(colour);
+            let [r, g, b] = components(colour);
             content.set_stroke_rgb(r, g, b).set_line_width(0.5).fill_nonzero_and_stroke();
         }
         Ok(())

@@ -121,9 +121,9 @@ fn map(canvas: &dyn Canvas, frame: Frame, model: &ReducedModel, (_, error, allow
         let Some(at) = panel.place(frame, check.sliding_speed.max(slowest), 1e6 * check.penetration_depth) else {
             continue;
         };
-        let share = error(check) / allowed;
+        let ratio = error(check) / allowed;
         let colour = if check.near_touch { palette::ORANGE } else { palette::BLUE };
-        disc(canvas, at, 1.5 + 9.0 * share.min(1.0).sqrt(), if share > 1.0 { palette::VERMILION } else { colour })?;
+        disc(canvas, at, 1.5 + 9.0 * ratio.min(1.0).sqrt(), if ratio > 1.0 { palette::VERMILION } else { colour })?;
     }
     Ok(())
 }

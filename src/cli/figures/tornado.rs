@@ -52,11 +52,11 @@ fn labels<'a>(depths: &[f64], responses: &'a [Response]) -> Vec<&'a str> {
 fn draw(canvas: &dyn Canvas, depths: &[f64], responses: &[Response], labels: &[&str]) -> Result<(), String> {
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("What a change of each parameter does", (40.0, 20.0), &title)?;
-    let share = |get: fn(f64, f64) -> f64| 100.0 * responses.iter().map(|r| r.change).fold(0.0, get);
+    let percent = |get: fn(f64, f64) -> f64| 100.0 * responses.iter().map(|r| r.change).fold(0.0, get);
     let text = format!(
         "Relative change [%] where a parameter is {} % less (blue) or {} % more (orange), less where its range ends before.",
-        tick_label((-share(f64::min) * 1e6).round() / 1e6),
-        tick_label((share(f64::max) * 1e6).round() / 1e6)
+        tick_label((-percent(f64::min) * 1e6).round() / 1e6),
+        tick_label((percent(f64::max) * 1e6).round() / 1e6)
     );
     let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     canvas.text(&text, (40.0, 58.0), &subtitle)?;

@@ -94,8 +94,8 @@ impl Cycle {
         let at = |time: f64, get: fn(&Row) -> f64| {
             let end = table.partition_point(|row| row.time < time).clamp(1, table.len() - 1);
             let [a, b] = [&table[end - 1], &table[end]];
-            let share = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
-            get(a) + share * (get(b) - get(a))
+            let fraction = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
+            get(a) + fraction * (get(b) - get(a))
         };
         Self {
             load: time.iter().map(|time| at(*time, |row| row.load)).collect(),
@@ -376,10 +376,10 @@ mod tests {
     }
 
     /// A periodic curve that goes from node to node in half cosine waves.
-    fn half_cosines(nodes: &[(f64, f64)], share: f64) -> f64 {
-        let end = nodes.iter().position(|node| node.0 > share).unwrap_or(0);
+    fn half_cosines(nodes: &[(f64, f64)], fraction: f64) -> f64 {
+        let end = nodes.iter().position(|node| node.0 > fraction).unwrap_or(0);
         let ((from, low), (to, high)) = (nodes[(end + nodes.len() - 1) % nodes.len()], nodes[end]);
-        let angle = std::f64::consts::PI * (share - from).rem_euclid(1.0) / (to - from).rem_euclid(1.0);
+        let angle = std::f64::consts::PI * (fraction - from).rem_euclid(1.0) / (to - from).rem_euclid(1.0);
         low + 0.5 * (high - low) * (1.0 - angle.cos())
     }
 
@@ -398,19 +398,19 @@ mod tests {
             let peak = force.iter().map(|node| node.1).fold(0.0, f64::max);
             let cycle = Cycle::published(published, peak, published.radius, 100).unwrap();
             assert_eq!((cycle.time.len(), cycle.time[100]), (101, 1.0));
-            for (step, share) in cycle.time.iter().enumerate() {
-                let (load, expected) = (cycle.load[step], half_cosines(force, *share));
+            for (step, fraction) in cycle.time.iter().enumerate() {
+                let (load, expected) = (cycle.load[step], half_cosines(force, *fraction));
                 assert!(
                     (load - expected).abs() < 0.06 * peak / 1000.0,
                     "{} {step}: {load} {expected}",
                     published.joint
                 );
-                let way = |share: f64| {
-                    let degrees = half_cosines(flexion, share.rem_euclid(1.0));
+                let way = |fraction: f64| {
+                    let degrees = half_cosines(flexion, fraction.rem_euclid(1.0));
                     published.radius * degrees.to_radians() + glide * degrees
                 };
                 // Over twice the interval: where two waves meet the rate is smooth, its own rate is not.
-                let expected = (way(share + 0.01) - way(share - 0.01)) / 0.02;
+                let expected = (way(fraction + 0.01) - way(fraction - 0.01)) / 0.02;
                 assert!((cycle.speed[step] - expected).abs() < 3e-4, "{step}: {} {expected}", cycle.speed[step]);
             }
             assert!(cycle.load[0] == cycle.load[100] && (cycle.speed[0] - cycle.speed[100]).abs() < 1e-15);
@@ -422,12 +422,12 @@ mod tests {
         // Sines, whose rates are known, at uneven instants.
         let mut text = String::from("time [ms],force [kN],flexion [deg],translation [mm]\n");
         for row in 0..=200 {
-            let share = f64::from(row) / 200.0 + if row % 2 == 1 { 0.001 } else { 0.0 };
-            let angle = std::f64::consts::TAU * share;
+            let fraction = f64::from(row) / 200.0 + if row % 2 == 1 { 0.001 } else { 0.0 };
+            let angle = std::f64::consts::TAU * fraction;
             text += &format!(
                 "{},{},{},{}\n",
-                500.0 + 2000.0 * share,
-                2.0 + share.min(0.0),
+                500.0 + 2000.0 * fraction,
+                2.0 + fraction.min(0.0),
                 20.0 * angle.sin(),
                 3.0 * angle.cos()
             );
@@ -516,8 +516,8 @@ mod tests {
             let table = "time, applied_load, sliding_speed\n0, 1.5, 0\n# rest\n0.5, 2, 0.1\n1, 3, -0.1\n1.5, 1.5, 0\n";
             let text = if storage { format!("walk\nendheader\n{}", table.replace(", ", "\t")) } else { table.into() };
             let mut bytes = text.into_bytes();
-            for (share, byte, kind) in edits {
-                let place = (share * bytes.len() as f64) as usize;
+            for (fraction, byte, kind) in edits {
+                let place = (fraction * bytes.len() as f64) as usize;
                 match kind {
                     0 => bytes[place] = byte,
                     1 => bytes[place] ^= 1 << (byte % 8),

@@ -71,8 +71,8 @@ pub struct Arguments {
     #[arg(long)]
     transient_only: bool,
 
-    /// A cycle repeats the one before where depth, fluid load and solid load differ by less than this share of their largest values
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    /// A cycle repeats the one before where depth, fluid load and solid load differ by less than this fraction of their largest values
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.01)]
     periodicity: f64,
 
     /// Folder for everything that is written
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         true => Ok(value),
         false => Err(Error::value(flag, value, format!("a number above 0 {unit}"))),
     };
-    positive("--periodicity", arguments.periodicity, "(a share, such as 0.01)")?;
+    positive("--periodicity", arguments.periodicity, "(a fraction, such as 0.01)")?;
     let steps = arguments.steps as usize;
     let joint = arguments.case.joint().unwrap_or(PUBLISHED[0].joint);
     let published = PUBLISHED.iter().find(|published| published.joint == joint);
@@ -346,7 +346,7 @@ fn table(transient: &[State], steady: &[State]) -> String {
 
 fn verdict(transient: &Transient, tolerance: f64) -> String {
     let count = transient.cycles.len();
-    let percent = |share: f64| format!("{} %", format::number(100.0 * share, 3));
+    let percent = |fraction: f64| format!("{} %", format::number(100.0 * fraction, 3));
     match transient.change {
         Some(change) if change < tolerance => {
             format!("Periodic: cycle {count} differs from the one before by {} at most.\n", percent(change))

@@ -72,15 +72,15 @@ impl System {
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 loads.fluid += interpolated(s) * stretch(s, self.layers[0].tissue.consistent) * w;
             }
-            for (a, share) in SIMPSON.into_iter().enumerate() {
+            for (a, simpson) in SIMPSON.into_iter().enumerate() {
                 let (s, i) = (a as f64 - 1.0, first + a);
                 let gap = (at.gap(self, i), self.gap_change(change, i));
-                let weight = stretch(s, true) * (2.0 * share);
+                let weight = stretch(s, true) * (2.0 * simpson);
                 let solid = chain(law.pressure(gap.0), gap.1) * weight;
                 let fluid = interpolated(s) * weight;
-                let share = chain(law.real_contact_share(gap.0), gap.1);
+                let real = chain(law.real_contact_fraction(gap.0), gap.1);
                 loads.solid += solid;
-                loads.in_real_contact += share * (solid + fluid);
+                loads.in_real_contact += real * (solid + fluid);
             }
         }
         let forces = at.contact_forces.iter().zip(&change.contact_forces).zip(&at.active);
@@ -163,7 +163,7 @@ impl System {
             FIXED => zero,
             number => Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]),
         };
-        let deforms = self.layers[0].tissue.consistent || self.roughness().is_some();
+        let deforms = self.layers[0].tissue.consistent || law.follows_from_gap();
         // Places of the surface nodes of a body.
         let places = |body: usize, i: usize| -> [Dual64; 2] {
             let [x, y] = self.layers[body].mesh.nodes[i * levels];
@@ -177,7 +177,7 @@ impl System {
             let sideways = if deforms { value(self.layout.horizontal[body][i * levels]) } else { zero };
             [sideways + x, mean + opening * self.surface_part(body, i) + y]
         };
-        let share = 1.0 / self.layers.len() as f64;
+        let weight = 1.0 / self.layers.len() as f64;
         let order = self.layers[0].mesh.pressure_order;
         for first in (0..self.stations.len() - 1).step_by(2) {
             let heights = [0, 1, 2].map(|a| height[first + a]);
@@ -193,7 +193,7 @@ impl System {
                 let slope = quadratic_derivative(s);
                 sum.on_slopes -= pressure * dot(slope, &heights);
                 for coordinate in bodies.iter().flatten() {
-                    sum.moment += pressure * dot(quadratic(s), coordinate) * dot(slope, coordinate) * share;
+                    sum.moment += pressure * dot(quadratic(s), coordinate) * dot(slope, coordinate) * weight;
                 }
             };
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
@@ -204,11 +204,11 @@ impl System {
                 let gap = (at.gap(self, first + a), self.gap_change(change, first + a));
                 let solid = chain(law.pressure(gap.0), gap.1) * (2.0 * simpson);
                 press(s, solid);
-                let real = chain(law.real_contact_share(gap.0), gap.1);
+                let real = chain(law.real_contact_fraction(gap.0), gap.1);
                 let rubbing =
                     solid + real * dot(pressure(order, s), &fluid) * (2.0 * simpson * self.parameters.solid_fraction);
                 for [x, _] in &bodies {
-                    let along_x = rubbing * dot(quadratic_derivative(s), x) * share;
+                    let along_x = rubbing * dot(quadratic_derivative(s), x) * weight;
                     sum.rubbing += along_x / self.cosine[first + a];
                     sum.rubbing_along_x += along_x;
                     sum.rubbing_lever += along_x * (heights[a] - self.tangent_fall(first + a));
@@ -217,7 +217,7 @@ impl System {
         }
         for i in (0..self.stations.len()).filter(|i| at.active[*i]) {
             let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
-            let place = (0..self.layers.len()).map(|body| places(body, i)[0] * share).sum::<Dual64>();
+            let place = (0..self.layers.len()).map(|body| places(body, i)[0] * weight).sum::<Dual64>();
             sum.moment += force * place;
             sum.rubbing += force / self.cosine[i];
             sum.rubbing_along_x += force;

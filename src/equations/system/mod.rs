@@ -67,6 +67,7 @@ pub struct System {
     /// The film beyond the sector; none where it ends there with p = 0.
     film_ends: Option<[FilmEnd; 2]>,
     parameters: Parameters,
+    /// Weight of gaps against contact pressures, and of void against fluid pressures \[Pa/m\].
     contact_stiffness: f64,
     stress_scale: f64,
     thickness: f64,
@@ -82,7 +83,7 @@ fn moves(inputs: &Inputs, rates: Option<&Rates>) -> bool {
 }
 
 /// Roughness of the surfaces; none where they are smooth.
-pub fn roughness(parameters: &Parameters) -> Option<Roughness> {
+fn roughness(parameters: &Parameters) -> Option<Roughness> {
     let p = parameters;
     (p.surface_roughness > 0.0).then_some(Roughness {
         rms: p.surface_roughness,
@@ -109,13 +110,9 @@ pub fn fluid(parameters: &Parameters) -> Fluid {
     }
 }
 
-/// Traction on the upper body's tissue per unit of contact pressure, positive along -x.
-pub fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> f64 {
-    boundary_friction_with_slopes(parameters, inputs).0
-}
-
-/// Likewise with its derivatives with respect to the two surface speeds.
-fn boundary_friction_with_slopes(parameters: &Parameters, inputs: &Inputs) -> (f64, [f64; 2]) {
+/// Traction on the upper body's tissue per unit of contact pressure, positive along -x, and its derivatives with respect to the two
+/// surface speeds.
+fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> (f64, [f64; 2]) {
     let p = parameters;
     if !p.boundary_friction_loads_tissue {
         return (0.0, [0.0; 2]);
@@ -272,8 +269,8 @@ impl System {
         self.weights = vec![0.0; stations.len()];
         for first in (0..stations.len() - 1).step_by(2) {
             let length = stations[first + 2] - stations[first];
-            for (a, share) in SIMPSON.into_iter().enumerate() {
-                self.weights[first + a] += share * length;
+            for (a, weight) in SIMPSON.into_iter().enumerate() {
+                self.weights[first + a] += weight * length;
             }
         }
         let p = &self.parameters;
@@ -300,11 +297,6 @@ impl System {
         self.layout.unknowns()
     }
 
-    /// Roughness of the surfaces; none where they are smooth.
-    pub fn roughness(&self) -> Option<&Roughness> {
-        self.film.rough.as_ref().map(|(rough, _)| rough)
-    }
-
     /// The film.
     pub fn film(&self) -> &Film {
         &self.film
@@ -322,8 +314,8 @@ impl System {
 
     /// How gap and pressure of the solids go together.
     pub fn contact_law(&self) -> ContactLaw {
-        match self.roughness() {
-            Some(roughness) => ContactLaw::Rough(*roughness),
+        match self.film.rough {
+            Some((roughness, _)) => ContactLaw::Rough(roughness),
             None => ContactLaw::Smooth { stiffness: self.contact_stiffness, modulus: self.stress_scale },
         }
     }
@@ -332,7 +324,7 @@ impl System {
     fn contact(&self, inputs: &Inputs) -> Contact {
         let (friction, friction_by_speeds) = match self.mirrored() {
             true => (0.0, [0.0; 2]),
-            false => boundary_friction_with_slopes(&self.parameters, inputs),
+            false => boundary_friction(&self.parameters, inputs),
         };
         Contact {
             law: self.contact_law(),
@@ -340,6 +332,12 @@ impl System {
             friction_by_speeds,
             solid_fraction: self.parameters.solid_fraction,
         }
+    }
+
+    /// Whether boundary friction pulls the two bodies apart sideways; if so, they are not mirror images.
+    pub fn drags(&self, state: &State) -> bool {
+        (state.touches() || self.contact_law().follows_from_gap())
+            && boundary_friction(&self.parameters, &state.inputs).0 != 0.0
     }
 
     /// Distances of the surfaces at the nodes of an element of the first row.
@@ -545,11 +543,6 @@ impl System {
         let levels = self.layers[0].mesh.levels();
         let numbers: [u32; 3] = std::array::from_fn(|a| self.layout.pressure[0][(2 * column + a) * levels]);
         scatter(&terms.map(|term| term / self.copies()), &numbers, values);
-    }
-
-    /// Weight of gaps against contact pressures, and of void against fluid pressures \[Pa/m\].
-    pub fn contact_stiffness(&self) -> f64 {
-        self.contact_stiffness
     }
 
     /// Thickness of the thicker layer \[m\].

@@ -38,7 +38,7 @@ impl State {
         Self { inputs: Inputs { penetration_depth, ..*inputs }, ..self }
     }
 
-    /// Whether smooth surfaces touch.
+    /// Whether any station is active.
     pub fn touches(&self) -> bool {
         self.active.contains(&true)
     }

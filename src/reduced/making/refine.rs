@@ -157,14 +157,14 @@ impl Builder<'_> {
     /// Places that fill the range evenly without a pattern (the additive recurrence of the plastic number, in two dimensions): on
     /// the lines of the speeds, or between rest and the slowest.
     fn scattered(&self, index: usize, near_rest: bool) -> Inputs {
-        let share = |step: f64| (0.5 + step * (index + 1) as f64).fract();
+        let fraction = |step: f64| (0.5 + step * (index + 1) as f64).fract();
         let ([least, most], slowest) = (self.range.depths, self.log_speeds[0]);
-        let place = share(0.569_840_290_998_053_3);
+        let place = fraction(0.569_840_290_998_053_3);
         let log_speed = match near_rest {
             true => slowest + place.ln(),
             false => slowest + (self.range.speeds[1].ln() - slowest) * place,
         };
-        self.inputs(least + (most - least) * share(0.754_877_666_246_692_8), log_speed)
+        self.inputs(least + (most - least) * fraction(0.754_877_666_246_692_8), log_speed)
     }
 }
 

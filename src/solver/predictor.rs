@@ -1,0 +1,96 @@
+//! Where the next solution is expected, from those before: numbers that go on as they went.
+
+use serde::{Deserialize, Serialize};
+
+/// A quadratic extrapolation in time. It goes by the changes within steps alone: from step to step what is given may jump.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Trend {
+    /// Rates of change in the last interval; empty where nothing is known.
+    rates: Vec<f64>,
+    /// How fast these change; empty likewise.
+    changes: Vec<f64>,
+    /// Half the length of that interval, which ended with a step \[s\].
+    half: f64,
+}
+
+impl Trend {
+    /// Whether it is of so many numbers, or of none.
+    pub fn fits(&self, length: usize) -> bool {
+        [&self.rates, &self.changes].into_iter().all(|values| values.is_empty() || values.len() == length)
+    }
+
+    /// What changes in an interval that begins so much after the last step, negative as an update of Newton's method.
+    pub fn update(&self, after: f64, interval: f64) -> Vec<f64> {
+        let mut update: Vec<f64> = self.rates.iter().map(|rate| -interval * rate).collect();
+        let factor = interval * (self.half + after + 0.5 * interval);
+        update.iter_mut().zip(&self.changes).for_each(|(update, change)| *update -= factor * change);
+        update
+    }
+
+    /// After a step at whose end an interval led from one list of values to another.
+    #[must_use]
+    pub fn followed(&self, [before, now]: [&[f64]; 2], interval: f64, step: f64) -> Self {
+        let rates: Vec<f64> = before.iter().zip(now).map(|(before, now)| (now - before) / interval).collect();
+        let between = self.half + step - 0.5 * interval;
+        let changes = rates.iter().zip(&self.rates).map(|(now, before)| (now - before) / between).collect();
+        Self { rates, changes, half: 0.5 * interval }
+    }
+
+    /// Without curvature, for motion with kinks.
+    #[must_use]
+    pub fn straight(self) -> Self {
+        Self { changes: Vec::new(), ..self }
+    }
+}
+
+/// How many times as far as before changes go in the same direction; none if in another, or much further.
+pub fn proportion<const N: usize>(now: [f64; N], then: [f64; N]) -> Option<f64> {
+    const ALIKE: f64 = 0.3;
+    let mut ratios = now.into_iter().zip(then).filter(|(now, then)| *now != 0.0 || *then != 0.0);
+    let ratio = ratios.next().map(|(now, then)| now / then)?;
+    let alike = ratios.all(|(now, then)| (now / then - ratio).abs() <= ALIKE * ratio.abs());
+    (alike && ratio.abs() < 3.0).then_some(ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three steps of different lengths; the changes of each are known from the last 0.7 of it.
+    #[test]
+    fn motion_on_a_parabola_is_foretold_exactly() {
+        let at = |t: f64| [1.0 - 2.0 * t + 3.0 * t * t, 4.0 * t - t * t];
+        let (mut trend, mut time) = (Trend::default(), 0.0);
+        for (index, step) in [0.1, 0.4, 0.2].into_iter().enumerate() {
+            for (from, to) in [(0.0, 0.3), (0.3, 1.0)].map(|(a, b)| (a * step, b * step)) {
+                let update = trend.update(from, to - from);
+                let expected: Vec<f64> =
+                    at(time + from).iter().zip(at(time + to)).map(|(before, now)| before - now).collect();
+                match index {
+                    0 => assert!(update.is_empty()),
+                    // One interval tells no curvature.
+                    1 => assert!(update.iter().zip(&expected).all(|(a, b)| (a - b).abs() > 1e-3)),
+                    _ => assert!(update.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12), "{update:?}"),
+                }
+            }
+            let interval = 0.7 * step;
+            trend = trend.followed([&at(time + 0.3 * step), &at(time + step)], interval, step);
+            time += step;
+        }
+        assert!(trend.fits(2) && !trend.fits(3) && Trend::default().fits(3));
+        // On a line at the last interval's rate.
+        let rate = -2.0 + 6.0 * (time - 0.07);
+        assert!((trend.straight().update(0.5, 2.0)[0] + 2.0 * rate).abs() < 1e-12);
+    }
+
+    #[test]
+    fn changes_go_on_in_proportion_or_elsewhere() {
+        assert_eq!(proportion([2.0, 0.0, -4.0], [1.0, 0.0, -2.0]), Some(2.0));
+        assert_eq!(proportion([-1.0, 0.0], [2.0, 0.0]), Some(-0.5));
+        // Another direction, much further, nowhere.
+        assert_eq!(proportion([1.0, 1.0], [1.0, 0.0]), None);
+        assert_eq!(proportion([1.0, 2.0], [1.0, 1.0]), None);
+        assert_eq!(proportion([4.0], [1.0]), None);
+        assert_eq!(proportion([0.0], [0.0]), None);
+    }
+}
