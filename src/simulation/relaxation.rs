@@ -9,8 +9,6 @@ use crate::solver::newton;
 
 /// Most Newton iterations of one step in time on the way to a steady state, and of all of them.
 const RELAXING_ITERATIONS: usize = 12;
-/// Most of one step's iterations with an update larger than the unknowns.
-const LARGE_UPDATES: usize = 6;
 const LONGEST_RELAXATION: usize = 2000;
 /// The first of these steps \[s\].
 const FIRST_STEP: f64 = 2e-5;
@@ -48,7 +46,7 @@ pub(super) fn relax(
         tolerance: 1e-2,
         maximum_iterations: RELAXING_ITERATIONS,
         patience: 0.0,
-        most_large: LARGE_UPDATES,
+        most_large: RELAXING_ITERATIONS,
         deadline: bodies.deadline,
     };
     let (mut step, mut done, mut patience, mut quick, mut spent) = (FIRST_STEP, 0.0, 0, 0, 0);
