@@ -96,6 +96,16 @@ impl Bodies {
         system.rest(inputs)
     }
 
+    /// A guess of a state in motion: the bones at a depth, and the surfaces apart by a film of a fluid that is thicker than it is.
+    pub fn afloat(&mut self, inputs: &Inputs, film: f64, thickening: f64) -> State {
+        let contact_half_width = self.contact_half_width(inputs, Control::Depth);
+        let system = self.system(self.may_mirror(inputs));
+        system.fit(contact_half_width, thickening);
+        let mut state = State { inputs: *inputs, ..system.rest(*inputs) };
+        system.lift(&mut state.unknowns, film);
+        state
+    }
+
     /// Newton's method from a guess; and the iterations spent.
     pub fn settle(&mut self, guess: State, task: &Task<'_>) -> (Result<State, String>, usize) {
         self.system(guess.mirrored).settle(guess, task)

@@ -25,10 +25,12 @@ const ITERATIONS: usize = 25;
 /// Most of them with an update larger than the unknowns, where the edges of the contact move with the mesh.
 const LARGE_UPDATES: usize = 4;
 
-/// How many times its own viscosity a film has on the way to a state from rest: so thick that the edges of a contact may move.
-const THICKENING: f64 = 30.0;
-/// From what depth on it has, as a fraction of a layer's thickness.
-const DEEP: f64 = 0.03;
+/// How many times its own viscosity the fluid has, in film and pores, on the way to a state from rest: so thick that no fluid to speak of
+/// comes out of the tissue where it enters the contact. A thin film cannot carry that off (of a flux Q = U h/2 - h^3 p'/(12 eta) there
+/// is a most), it piles up in a jump, and the jump moves through the mesh as the load grows.
+const THICKENING: f64 = 1000.0;
+/// From what depth such a way starts at once, and with a film of what thickness, as fractions of a layer's thickness.
+const AFLOAT: (f64, f64) = (0.1, 0.02);
 
 /// Least load for which there is a steady film worth the name \[N/m\].
 const LEAST_LOAD: f64 = 1e-6;
@@ -67,8 +69,8 @@ struct Stuck {
     reason: String,
 }
 
-/// From rest: the surfaces are set in motion before they touch, then pressed on each other, and last a film that was made thicker than it
-/// is becomes what it is in time.
+/// From rest. Where the mesh goes with the contact: afloat on a thick fluid, then pressed on each other, and last the fluid becomes
+/// what it is in time. Else the surfaces are set in motion before they touch, and then pressed on each other.
 fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, Box<Stuck>> {
     let parameters = bodies.parameters;
     let control = parameters.control;
@@ -76,13 +78,24 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
         Control::Depth => inputs.penetration_depth,
         Control::Load => grid::depth_under(&parameters, inputs.applied_load),
     };
-    let thickness = bodies.system(bodies.equal()).thickness();
-    let thickening = if depth > DEEP * thickness && grid::moves(&parameters) { THICKENING } else { 1.0 };
+    let thickening = if grid::moves(&parameters) { THICKENING } else { 1.0 };
     let rest = State { thickening, ..bodies.rest(inputs) };
     let apart = Inputs { penetration_depth: rest.inputs.penetration_depth, ..*inputs };
     let pressed = Inputs { penetration_depth: depth, ..*inputs };
-    let mut reached = Steady { state: rest, reusable: None, before: None };
-    for inputs in [apart, pressed] {
+    let (mut reached, mut ways) = (Steady { state: rest, reusable: None, before: None }, vec![apart, pressed]);
+    if thickening > 1.0 {
+        let thickness = bodies.system(bodies.equal()).thickness();
+        let afloat = Inputs { penetration_depth: depth.min(AFLOAT.0 * thickness), ..*inputs };
+        let guess = bodies.afloat(&afloat, AFLOAT.1 * thickness, thickening);
+        // Not from nearby: what was no more than guessed changes by much.
+        let settings = newton::Settings { most_large: ITERATIONS, ..settings(bodies) };
+        let (result, spent) = bodies.settle(guess, &Task { control: Control::Depth, settings, reusable: None });
+        *iterations += spent;
+        if let Ok(state) = result {
+            (reached, ways) = (Steady { state, reusable: None, before: None }, vec![pressed]);
+        }
+    }
+    for inputs in ways {
         let target = Target { inputs, thickening };
         reached = match continue_to(bodies, &reached, target, Control::Depth, iterations) {
             Ok(reached) => reached,
@@ -204,6 +217,16 @@ fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -
     }
 }
 
+fn settings(bodies: &Bodies) -> newton::Settings {
+    newton::Settings {
+        tolerance: bodies.parameters.tolerance,
+        maximum_iterations: ITERATIONS,
+        patience: PATIENCE,
+        most_large: if grid::moves(&bodies.parameters) { LARGE_UPDATES } else { ITERATIONS },
+        deadline: bodies.deadline,
+    }
+}
+
 /// Newton's method from a guess to a steady state.
 pub(super) fn settle(
     bodies: &mut Bodies,
@@ -212,16 +235,9 @@ pub(super) fn settle(
     control: Control,
     reusable: Option<(&State, PredictorEstimate)>,
 ) -> (Result<Steady, String>, usize) {
-    let settings = newton::Settings {
-        tolerance: bodies.parameters.tolerance,
-        maximum_iterations: ITERATIONS,
-        patience: PATIENCE,
-        most_large: if grid::moves(&bodies.parameters) { LARGE_UPDATES } else { ITERATIONS },
-        deadline: bodies.deadline,
-    };
     let mirrored = guess.mirrored;
     let guess = State { rates: None, ..guess.guess_for(target, control) };
-    let (result, spent) = bodies.settle(guess, &Task { control, settings, reusable });
+    let (result, spent) = bodies.settle(guess, &Task { control, settings: settings(bodies), reusable });
     let reusable = bodies
         .linearization(mirrored)
         .map(|linearization| Box::new(ReusableTangent { linearization: linearization.clone(), predictor_error: None }));
@@ -252,7 +268,7 @@ fn first_step(from: &Target, to: &Target, control: Control) -> f64 {
     let size = match control {
         Control::Depth => {
             let [a, b] = [from, to].map(|target| (target.inputs.penetration_depth + CLEARANCE).max(0.1 * CLEARANCE));
-            growth(a, b) / 0.4
+            growth(a, b) / 0.25
         }
         Control::Load => growth(from.inputs.applied_load, to.inputs.applied_load) / 0.5,
     };

@@ -126,6 +126,11 @@ fn body(parameters: &Parameters, side: f64) -> &Body {
     if side > 0.0 { &parameters.upper } else { &parameters.lower }
 }
 
+/// Permeability over the fluid's viscosity \[m^4/(N s)\].
+fn mobility(parameters: &Parameters, side: f64) -> f64 {
+    parameters.hydraulic_permeability(body(parameters, side))
+}
+
 fn sector(parameters: &Parameters, side: f64, grid: &Grid) -> LayerMesh {
     let body = body(parameters, side);
     let depths: Vec<f64> = grid.depths[usize::from(side < 0.0)].iter().map(|depth| depth * body.thickness).collect();
@@ -158,7 +163,7 @@ impl Layer {
                     }),
                 },
                 biot_coefficient: alpha,
-                mobility: parameters.hydraulic_permeability(body),
+                mobility: mobility(parameters, side),
                 tangential_ratio: body.tangential_permeability_ratio,
                 strain_dependence: match parameters.permeability_law {
                     PermeabilityLaw::Constant => None,
@@ -243,8 +248,8 @@ impl System {
         system
     }
 
-    /// Takes the mesh along to a contact of this half-width, and the film's viscosity to so many times its own; what was factorised
-    /// stays as it was.
+    /// Takes the mesh along to a contact of this half-width, and the fluid's viscosity, in film and pores, to so many times its own;
+    /// what was factorised stays as it was.
     pub fn fit(&mut self, contact_half_width: f64, thickening: f64) {
         if self.contact_half_width != contact_half_width {
             self.contact_half_width = contact_half_width;
@@ -257,9 +262,12 @@ impl System {
         self.thickening = thickening;
         self.film.fluid = fluid(&self.parameters).thickened(thickening);
         self.film_ends.iter_mut().flatten().for_each(|end| end.fluid = self.film.fluid);
+        for layer in &mut self.layers {
+            layer.tissue.mobility = mobility(&self.parameters, layer.side) / thickening;
+        }
     }
 
-    /// How many times its own viscosity the film has at present.
+    /// How many times its own viscosity the fluid has at present.
     pub fn thickening(&self) -> f64 {
         self.thickening
     }

@@ -17,7 +17,7 @@ pub struct State {
     pub mirrored: bool,
     /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] \[m\].
     pub contact_half_width: f64,
-    /// How many times its own viscosity the film has: 1 but on the way to a state.
+    /// How many times its own viscosity the fluid has, in film and pores: 1 but on the way to a state.
     pub thickening: f64,
     /// The unknowns.
     pub unknowns: Vec<f64>,

@@ -82,6 +82,17 @@ impl System {
         }
     }
 
+    /// Moves the surfaces apart, so that there is a film of this thickness \[m\] where they would overlap.
+    pub fn lift(&self, unknowns: &mut [f64], film: f64) {
+        for (station, number) in self.layout.gap.iter().enumerate() {
+            let gap = &mut unknowns[*number as usize];
+            let parted = 0.5 * (*gap + gap.hypot(2.0 * film));
+            let correction = parted - *gap;
+            *gap = parted;
+            self.follow(station, correction, unknowns);
+        }
+    }
+
     /// Moves the tissue below a station by what its gap was changed, less and less towards the bone.
     fn follow(&self, station: usize, opening: f64, unknowns: &mut [f64]) {
         for (body, (vertical, heights)) in self.layout.vertical.iter().zip(&self.height).enumerate() {
