@@ -32,6 +32,9 @@ const THICKENING: f64 = 1000.0;
 /// From what depth such a way starts at once, and with a film of what thickness, as fractions of a layer's thickness.
 const AFLOAT: (f64, f64) = (0.1, 0.02);
 
+/// Fibres make tissue far stiffer than the theory that says what depth goes with a load. From this load on it is followed up \[N/m\].
+const FIRST_LOAD: f64 = 50.0;
+
 /// Least load for which there is a steady film worth the name \[N/m\].
 const LEAST_LOAD: f64 = 1e-6;
 
@@ -74,6 +77,11 @@ struct Stuck {
 fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, Box<Stuck>> {
     let parameters = bodies.parameters;
     let control = parameters.control;
+    let fibres = [parameters.upper, parameters.lower].iter().any(|body| body.fibre_modulus > 0.0);
+    if control == Control::Load && fibres && inputs.applied_load > FIRST_LOAD {
+        let first = from_rest(bodies, &Inputs { applied_load: FIRST_LOAD, ..*inputs }, iterations)?;
+        return continue_to(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
+    }
     let depth = match control {
         Control::Depth => inputs.penetration_depth,
         Control::Load => grid::depth_under(&parameters, inputs.applied_load),

@@ -390,6 +390,25 @@ fn rough_surfaces_under_a_load() {
     assert_relative_eq!(o.penetration_depth, 454.1e-6, max_relative = 3e-3);
 }
 
+/// Ten kilonewtons a metre from rest, with fibres that make the tissue several times stiffer too.
+#[test]
+fn every_tissue_is_loaded_from_rest() {
+    for preset in [
+        Preset::HumanTibialPlateau,
+        Preset::HumanNormal,
+        Preset::BovineHumeralHead,
+        Preset::Osteoarthritic,
+        Preset::HumanFemoralCondyleFibres,
+        Preset::BovineHumeralHeadFibres,
+        Preset::BovineLayered,
+    ] {
+        let loaded = Parameters { control: Control::Load, ..preset.parameters() };
+        let o = solved(&loaded, Inputs { applied_load: 10e3, sliding_speed: U, ..Inputs::NONE });
+        assert!(o.newton_iterations < 300, "{preset:?}: {}", o.newton_iterations);
+        assert_relative_eq!(o.load, 10e3, max_relative = 1e-4);
+    }
+}
+
 /// From rest, with a stiffness that is the slope of load over depth between neighbouring states on meshes of their own.
 #[test]
 fn body_weight_is_carried_from_rest() {
