@@ -50,9 +50,8 @@ pub(super) fn solve(
         let allowed = format!("{LEAST_LOAD:e} N/m or more: with less the surfaces part, and there is no steady state");
         return Err(Error::value("applied_load", inputs.applied_load, allowed));
     }
-    let warm =
-        from.map(|from| continue_to(bodies, &from, Target { inputs: *inputs, thickening: 1.0 }, control, iterations));
-    let result = match warm {
+    let target = Target { inputs: *inputs, thickening: 1.0 };
+    let result = match from.map(|from| follow(bodies, &from, target, control, iterations)) {
         Some(Ok(state)) => return Ok(state),
         Some(Err(stuck)) if stuck.reason == UNRESOLVED => Err(stuck),
         _ => from_rest(bodies, inputs, iterations),
@@ -80,7 +79,7 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
     let fibres = [parameters.upper, parameters.lower].iter().any(|body| body.fibre_modulus > 0.0);
     if control == Control::Load && fibres && inputs.applied_load > FIRST_LOAD {
         let first = from_rest(bodies, &Inputs { applied_load: FIRST_LOAD, ..*inputs }, iterations)?;
-        return continue_to(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
+        return follow(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
     }
     let depth = match control {
         Control::Depth => inputs.penetration_depth,
@@ -104,12 +103,7 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
         }
     }
     for inputs in ways {
-        let target = Target { inputs, thickening };
-        reached = match continue_to(bodies, &reached, target, Control::Depth, iterations) {
-            Ok(reached) => reached,
-            Err(stuck) if stuck.reason == UNRESOLVED => return Err(stuck),
-            Err(stuck) => relaxed(bodies, &stuck.reached, &target, Control::Depth, iterations)?,
-        };
+        reached = follow(bodies, &reached, Target { inputs, thickening }, Control::Depth, iterations)?;
     }
     let target = Target { inputs: *inputs, thickening: 1.0 };
     match (control, thickening) {
@@ -148,6 +142,24 @@ fn unresolved(bodies: &mut Bodies, state: &State) -> bool {
     largest > 0.0 && outputs.maximum_von_mises_stress > UNRESOLVED_STRESS * largest
 }
 
+/// Goes from one state to another by steps of what is given, and from where they fail by motion in time.
+fn follow(
+    bodies: &mut Bodies,
+    from: &Steady,
+    to: Target,
+    control: Control,
+    iterations: &mut usize,
+) -> Result<Steady, Box<Stuck>> {
+    match continue_to(bodies, from, to, control, iterations) {
+        Err(stuck) if stuck.reason != UNRESOLVED => relaxed(bodies, &stuck.reached, &to, control, iterations),
+        result => result,
+    }
+}
+
+/// The shortest step before giving up, as a fraction of the way; where the mesh goes with the contact of the first step: shorter ones take
+/// longer than motion in time.
+const SHORTEST: [f64; 2] = [1.0 / 1024.0, 0.1];
+
 /// Goes from one state to another by steps of what is given.
 fn continue_to(
     bodies: &mut Bodies,
@@ -161,8 +173,9 @@ fn continue_to(
     let way = |fraction: f64| if fraction == 1.0 { to } else { between(&start, &to, fraction, control, moves) };
     let mut reached = from.clone();
     let first = if moves { first_step(&start, &to, control) } else { 1.0 };
+    let shortest = if moves { SHORTEST[1] * first } else { SHORTEST[0] };
     let mut lost = false;
-    let result = continuation::advance(first, |fraction| {
+    let result = continuation::advance(first, shortest, |fraction| {
         if lost {
             return Err(UNRESOLVED.to_string());
         }
