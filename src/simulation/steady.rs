@@ -156,8 +156,8 @@ fn follow(
     }
 }
 
-/// The shortest step before giving up, as a fraction of the way; where the mesh goes with the contact of the first step: shorter ones take
-/// longer than motion in time.
+/// The shortest step before giving up: as a fraction of the way, and where the mesh goes with the contact as one of the first step, since
+/// shorter ones take longer than motion in time.
 const SHORTEST: [f64; 2] = [1.0 / 1024.0, 0.1];
 
 /// Goes from one state to another by steps of what is given.

@@ -14,8 +14,8 @@ const WISHED: f64 = 7.0;
 /// By what factor steps grow at most: one that fails costs more than some that are shorter.
 const LARGEST_GROWTH: f64 = 1.3;
 
-/// Goes from 0 to 1, at first by a step of length `first`, and by none shorter than `shortest`. `attempt(to)` tries one step: it moves its caller's state and says how many
-/// iterations that took, or leaves it alone and says why.
+/// Goes from 0 to 1, at first by a step of length `first`, and by none shorter than `shortest`. `attempt(to)` tries one step: it moves
+/// its caller's state and says how many iterations that took, or leaves it alone and says why.
 ///
 /// # Errors
 /// [`Stuck`] where even the shortest step fails.
