@@ -127,16 +127,23 @@ impl ContactLaw {
         }
     }
 
-    /// The least gap that an update from `before` to `wanted` may lead to. Rough surfaces close to where they press as the tangent says,
-    /// or as hard as `least_pressure`: their pressure rises exponentially, and their distance by the tangent would be far too small.
-    pub fn least_gap(&self, before: f64, wanted: f64, least_pressure: f64) -> f64 {
+    /// The gap at which they press this hard.
+    pub fn gap_at(&self, pressure: f64) -> f64 {
         match self {
-            Self::Smooth { .. } => f64::NEG_INFINITY,
-            Self::Rough(roughness) => {
+            Self::Smooth { .. } => 0.0,
+            Self::Rough(roughness) => roughness.gap_at(pressure),
+        }
+    }
+
+    /// The least gap that an update from `before` to `wanted` may lead to. Rough surfaces close to where they press as the tangent says,
+    /// or to the gap `free`: their pressure rises exponentially, and their distance by the tangent would be far too small.
+    pub fn least_gap(&self, before: f64, wanted: f64, free: f64) -> f64 {
+        match self {
+            Self::Rough(roughness) if wanted < before.min(free) => {
                 let (pressure, slope) = roughness.pressure(before);
-                let meant = pressure + slope * (wanted - before);
-                roughness.gap_at(meant.max(least_pressure)).min(before)
+                roughness.gap_at(pressure + slope * (wanted - before)).min(before).min(free)
             }
+            _ => f64::NEG_INFINITY,
         }
     }
 }

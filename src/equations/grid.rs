@@ -5,6 +5,7 @@
 
 use crate::fem::mesh::{graded, quadratic_stations};
 use crate::parameters::{Body, Control, Inputs, MeshDistribution, Parameters};
+use crate::solver::root;
 
 /// The nodes of a case.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,24 +161,37 @@ fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {
     /// over the contact and around it. The rest is uniform.
     const EDGES: (f64, f64) = (0.4, 0.03);
     const CONTACT: (f64, f64) = (0.5, 2.0);
-    let edge = |x: f64| ((x - contact) / (EDGES.1 * contact)).atan() + ((x + contact) / (EDGES.1 * contact)).atan();
-    let around = |x: f64| (x / (CONTACT.1 * contact)).atan();
-    let fraction = |x: f64| {
-        EDGES.0 * edge(x) / edge(half_width)
-            + CONTACT.0 * around(x) / around(half_width)
-            + (1.0 - EDGES.0 - CONTACT.0) * x / half_width
+    // A step of this width at a place, and its slope.
+    let step = |x: f64, width: f64| {
+        let x = x / width;
+        (x.atan(), 1.0 / (width * (1.0 + x * x)))
     };
-    let end = |i: usize| {
-        let wanted = 2.0 * i as f64 / columns as f64 - 1.0;
-        let (mut low, mut high) = (-half_width, half_width);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if fraction(middle) < wanted { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
+    let edge = |x: f64| {
+        let [(left, left_slope), (right, right_slope)] = [x + contact, x - contact].map(|x| step(x, EDGES.1 * contact));
+        (left + right, left_slope + right_slope)
+    };
+    let around = |x: f64| step(x, CONTACT.1 * contact);
+    let [at_edges, at_contact] = [EDGES.0 / edge(half_width).0, CONTACT.0 / around(half_width).0];
+    let uniform = (1.0 - EDGES.0 - CONTACT.0) / half_width;
+    let fraction = |x: f64| {
+        let [(edge, edge_slope), (around, around_slope)] = [edge(x), around(x)];
+        let value = at_edges * edge + at_contact * around + uniform * x;
+        (value, at_edges * edge_slope + at_contact * around_slope + uniform)
     };
     // Symmetric to the last bit.
-    let right: Vec<f64> = (0..=columns / 2).map(|i| if 2 * i == columns { 0.0 } else { -end(i) }).collect();
+    let mut end = -half_width;
+    let right: Vec<f64> = (0..=columns / 2)
+        .map(|i| {
+            let wanted = 2.0 * i as f64 / columns as f64 - 1.0;
+            if i > 0 && 2 * i < columns {
+                end = root::increasing([end, 0.0], end, |x| {
+                    let (value, slope) = fraction(x);
+                    (value - wanted, slope)
+                });
+            }
+            if 2 * i == columns { 0.0 } else { -end }
+        })
+        .collect();
     (0..=columns).map(|i| if 2 * i <= columns { -right[i] } else { right[columns - i] }).collect()
 }
 

@@ -20,11 +20,9 @@ pub fn quadratic_stations(count: usize, end: impl Fn(usize) -> f64) -> Vec<f64> 
 
 /// Derivatives with respect to X and Y from those by the local coordinates s and t, with the Jacobian [dX/ds dX/dt dY/ds dY/dt].
 fn gradients([xs, xt, ys, yt]: [f64; 4], by_s: &[f64; NODES], by_t: &[f64; NODES]) -> [[f64; NODES]; 2] {
-    let determinant = xs * yt - xt * ys;
-    [
-        from_fn(|a| (yt * by_s[a] - ys * by_t[a]) / determinant),
-        from_fn(|a| (-xt * by_s[a] + xs * by_t[a]) / determinant),
-    ]
+    let inverse = 1.0 / (xs * yt - xt * ys);
+    let [xs, xt, ys, yt] = [xs, xt, ys, yt].map(|value| inverse * value);
+    [from_fn(|a| yt * by_s[a] - ys * by_t[a]), from_fn(|a| xs * by_t[a] - xt * by_s[a])]
 }
 
 /// What the weak forms need at one quadrature point.

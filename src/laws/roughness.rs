@@ -3,6 +3,8 @@
 //! h is the mean distance of the two surfaces \[m\], negative where the mean planes overlap, and sigma the combined root mean square
 //! roughness \[m\].
 
+use crate::solver::root;
+
 /// How the pressure of the asperities falls with the distance of the surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum AsperityLaw {
@@ -85,11 +87,11 @@ impl Roughness {
         while self.pressure(high).0 > pressure && high < 1e3 * self.rms {
             (low, high) = (high, 2.0 * high);
         }
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if self.pressure(middle).0 > pressure { low = middle } else { high = middle }
-        }
-        low
+        // The logarithm of the pressure is next to a straight line.
+        root::increasing([low, high], low, |gap| {
+            let (value, slope) = self.pressure(gap);
+            ((pressure / value).ln(), -slope / value)
+        })
     }
 
     /// Fraction of the nominal area where the surfaces would overlap, for Gaussian heights: the bearing area erfc(h / (sqrt(2) sigma)) / 2,

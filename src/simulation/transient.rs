@@ -16,7 +16,7 @@ use crate::solver::deadline::Deadline;
 use crate::solver::newton;
 use crate::solver::predictor::Trend;
 use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
-use crate::solver::time_stepping::{self, Failure, Method, Stuck};
+use crate::solver::time_stepping::{self, Failure, LARGEST_GROWTH, Method, Stuck};
 
 /// Most Newton iterations of a stage; where it takes more, a shorter step is the better way.
 const ITERATIONS: usize = 12;
@@ -304,7 +304,7 @@ fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Rat
     let by_first_order = size(change.clone())?.powf(-1.0 / 2.0);
     // Where the motion is smooth the error of the method itself is less: its error constant times the third derivative, from
     // divided differences of the rates at the start and at the two stages.
-    let Some(before) = before else { return Ok(by_first_order) };
+    let Some(before) = before.filter(|_| by_first_order < LARGEST_GROWTH) else { return Ok(by_first_order) };
     let earlier = first.rate.combined(1.0, -1.0, &before.history);
     let error = change.combined(1.0 / (1.0 - GAMMA), -1.0 / GAMMA, &earlier).scaled(2.0 * ERROR_CONSTANT / GAMMA);
     Ok(by_first_order.max(size(error)?.powf(-1.0 / 3.0)))

@@ -5,5 +5,6 @@ pub mod deadline;
 pub mod linear;
 pub mod newton;
 pub mod predictor;
+pub mod root;
 pub mod runge_kutta;
 pub mod time_stepping;

@@ -30,6 +30,11 @@ pub trait Problem {
     /// Size of an update relative to the unknowns.
     fn relative_size(&self, unknowns: &[f64], update: &[f64]) -> f64;
 
+    /// Whether there is a discrete state at all beside the unknowns.
+    fn has_discrete_state(&self) -> bool {
+        true
+    }
+
     /// Whether there is a reusable tangent, factorised before, for the discrete state of the last residual; and what the predictor
     /// estimated with it.
     fn reusable_tangent(&mut self) -> Option<PredictorEstimate> {
@@ -122,7 +127,7 @@ const OVER: &str = "maximum_solve_time is over";
 /// Broyden's update is left out where it would divide by less than one minus this.
 const LARGEST_RATIO: f64 = 0.8;
 
-/// Solves in place; returns the number of iterations. `residual` ends as the residual at the solution.
+/// Solves in place; returns the number of iterations.
 ///
 /// The method stops when the next update, estimated from the contraction of the last two, would be below the tolerance and the
 /// discrete state is that of the solution.
@@ -168,7 +173,6 @@ pub fn solve(
         if lost > settings.most_large {
             return Err(fail("Newton's method gets lost".into()));
         }
-        let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
         // The first update would have been as large as what is in its place already.
         let contraction = previous.is_finite().then_some((size + std::mem::take(&mut corrected)) / previous);
         let rest = match contraction {
@@ -178,6 +182,11 @@ pub fn solve(
             _ => contraction.unwrap_or(1.0).min(1.0),
         };
         converged = size * rest < settings.tolerance;
+        if converged && !problem.has_discrete_state() {
+            problem.apply(unknowns, &update);
+            return Ok(iterations);
+        }
+        let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
         if converged && !changed {
             return Ok(iterations);
         }

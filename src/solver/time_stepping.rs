@@ -8,6 +8,11 @@ const HALVINGS: i32 = 24;
 /// Most steps of an interval, tried and taken: a host tool must not wait for ever.
 const MOST_TRIALS: usize = 20_000;
 
+/// Steps are that much shorter than their error would allow.
+const SAFETY: f64 = 0.9;
+/// How much longer than it was a step could have been is not asked beyond this.
+pub const LARGEST_GROWTH: f64 = 4.5;
+
 /// What can step in time.
 pub trait Method {
     /// A step that was solved.
@@ -61,12 +66,14 @@ pub fn advance<M: Method>(
         let fraction = fraction_of(done, (1.2 * wanted).min(longest) / duration);
         let (time, step) = (done * duration, fraction * duration);
         match method.attempt(time, step) {
-            Ok((_, growth)) if growth < 1.0 && fraction > shortest => wanted = step * (0.9 * growth).clamp(0.1, 0.4),
+            Ok((_, growth)) if growth < 1.0 && fraction > shortest => {
+                wanted = step * (SAFETY * growth).clamp(0.1, 0.4);
+            }
             Ok((solved, growth)) => {
                 method.accept(solved, step);
                 steps.push(step);
                 done += fraction;
-                wanted = step * (0.9 * growth).min(4.0);
+                wanted = step * SAFETY * growth.min(LARGEST_GROWTH);
             }
             Err(Failure::Retry(_)) if fraction > shortest => wanted = 0.2 * step,
             Err(Failure::Retry(reason) | Failure::Stop(reason)) => return Err(Stuck { time, reason }),

@@ -320,6 +320,11 @@ impl System {
         self.part(&self.layers[body]) / self.cosine[station]
     }
 
+    /// Whether stations can be in one state or another: in contact or not, cavitated or not.
+    pub fn has_discrete_state(&self) -> bool {
+        self.film.cavitates || !self.contact_law().follows_from_gap()
+    }
+
     /// How gap and pressure of the solids go together.
     pub fn contact_law(&self) -> ContactLaw {
         match self.film.rough {

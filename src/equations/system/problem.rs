@@ -64,7 +64,10 @@ impl System {
         };
         match newton::solve(&mut problem, &mut unknowns, &mut Vec::new(), &task.settings) {
             Err(failure) => (Err(failure.reason), failure.iterations),
-            Ok(iterations) => (Ok(problem.state), iterations),
+            Ok(iterations) => {
+                problem.take(&unknowns);
+                (Ok(problem.state), iterations)
+            }
         }
     }
 
@@ -114,11 +117,22 @@ impl System {
     }
 }
 
-impl newton::Problem for Posed<'_> {
-    fn residual(&mut self, unknowns: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
+impl Posed<'_> {
+    /// Takes unknowns, and the depth where that is one of them, into the state.
+    fn take(&mut self, unknowns: &[f64]) {
         let (unknowns, depth) = unknowns.split_at(self.system.unknowns());
         self.state.unknowns.copy_from_slice(unknowns);
         depth.iter().for_each(|depth| self.state.inputs.penetration_depth = *depth);
+    }
+}
+
+impl newton::Problem for Posed<'_> {
+    fn has_discrete_state(&self) -> bool {
+        self.system.has_discrete_state()
+    }
+
+    fn residual(&mut self, unknowns: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
+        self.take(unknowns);
         let changed = self.system.residual_at(&mut self.state, residual).map_err(|inverted| inverted.to_string())?;
         residual.extend(self.load.map(|balance| balance.residual(self.system.load(&self.state))));
         Ok(changed)

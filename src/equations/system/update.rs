@@ -69,12 +69,13 @@ impl System {
         let levels = self.layers[0].mesh.levels();
         let film = self.layout.pressure[0].iter().step_by(levels).filter(|number| **number != FIXED);
         let largest = film.map(|number| unknowns[*number as usize].abs()).fold(1e-3 * self.stress_scale, f64::max);
+        let free = contact.gap_at(NEW_CONTACT * largest);
         let gaps: Vec<f64> = self.layout.gap.iter().map(|number| unknowns[*number as usize]).collect();
         unknowns.iter_mut().zip(update).for_each(|(z, d)| *z -= d);
         for (station, before) in gaps.into_iter().enumerate() {
             let gap = &mut unknowns[self.layout.gap[station] as usize];
             let smallest = if active[station] || before <= thin { f64::NEG_INFINITY } else { closing * before };
-            let smallest = smallest.max(contact.least_gap(before, *gap, NEW_CONTACT * largest));
+            let smallest = smallest.max(contact.least_gap(before, *gap, free));
             let limited = gap.min((opening * before).max(5.0 * thin)).max(smallest);
             let correction = limited - *gap;
             *gap = limited;
