@@ -32,8 +32,8 @@ pub(super) struct Motion {
     pub film_trend: Vec<[f64; 3]>,
     /// Length of the next internal step \[s\].
     suggestion: f64,
-    /// Where the last tangent was formed.
-    pub reusable: Option<State>,
+    /// The last tangent.
+    pub reusable: Option<Reusable>,
     /// How the last communication step went, for its derivatives.
     pub course: Course,
 }
@@ -47,8 +47,17 @@ impl Motion {
             && contact.is_finite()
             && contact >= 0.0
             && system.admits(&self.course.start)
-            && self.reusable.as_ref().is_none_or(|linearization| system.admits(linearization))
+            && self.reusable.as_ref().is_none_or(|reusable| system.admits(&reusable.linearization))
     }
+}
+
+/// A tangent that may serve once more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Reusable {
+    /// Where it was formed.
+    pub linearization: State,
+    /// See [`newton::Solution::remainder`].
+    remainder: Option<f64>,
 }
 
 /// The course of a communication step.
@@ -101,8 +110,7 @@ struct TimeStepper<'a> {
     stored_volumes: StoredVolumes,
     trend: Trend,
     film_trend: Vec<[f64; 3]>,
-    /// Where the last tangent was formed.
-    reusable: Option<State>,
+    reusable: Option<Reusable>,
     iterations: usize,
 }
 
@@ -112,7 +120,7 @@ impl<'a> TimeStepper<'a> {
         drive: &'a Drive,
         course: &'a Course,
         duration: f64,
-        reusable: Option<State>,
+        reusable: Option<Reusable>,
     ) -> Self {
         let state = course.start.clone();
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
@@ -165,14 +173,18 @@ impl<'a> TimeStepper<'a> {
             most_large: LARGE_UPDATES,
             deadline: bodies.deadline,
         };
-        let reusable = self.reusable.as_ref().map(|linearization| (linearization, PredictorEstimate::default()));
+        let reusable = self.reusable.as_ref().map(|Reusable { linearization, remainder }| {
+            (linearization, PredictorEstimate { remainder: *remainder, ..PredictorEstimate::default() })
+        });
         let task = Task { control: parameters.control, settings, reusable };
         let (result, iterations) = bodies.settle(guess.guess_for(inputs, parameters.control), &task);
         self.iterations += iterations;
         let state = result?;
+        let remainder = bodies.system(state.mirrored).remainder();
         let linearization = bodies.linearization(state.mirrored);
-        if self.reusable.as_ref() != linearization {
-            self.reusable = linearization.cloned();
+        match &mut self.reusable {
+            Some(reusable) if Some(&reusable.linearization) == linearization => reusable.remainder = remainder,
+            slot => *slot = linearization.cloned().map(|linearization| Reusable { linearization, remainder }),
         }
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
         let rate = rates.of(&stored_volumes);

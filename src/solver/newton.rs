@@ -54,7 +54,25 @@ pub struct PredictorEstimate {
     pub step: f64,
     /// Size of what was added in place of a first update.
     pub corrected: f64,
+    /// See [`Solution::remainder`], of the last solution with this tangent.
+    pub remainder: Option<f64>,
 }
+
+/// What it took to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution {
+    /// Iterations spent.
+    pub iterations: usize,
+    /// What the first update with the last tangent left, over its size, as far as that is known: it says whether one update is enough
+    /// the next time (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, Springer 1996, section IV.8). What was not
+    /// measured this time counts as known less well than the last time.
+    pub remainder: Option<f64>,
+}
+
+/// A remainder that was not measured anew is raised to this power, which brings it nearer to 1.
+const FORGETTING: f64 = 0.8;
+/// No less than this is left, whatever was measured.
+const LEAST_REMAINDER: f64 = 1e-2;
 
 /// Broyden's update of a reusable tangent by the steps that were taken with it, each the solution's whole step: C. T. Kelley, Solving
 /// Nonlinear Equations with Newton's Method, SIAM 2003, section 4. What the tangent misses in a few directions is learned from
@@ -127,7 +145,7 @@ const OVER: &str = "maximum_solve_time is over";
 /// Broyden's update is left out where it would divide by less than one minus this.
 const LARGEST_RATIO: f64 = 0.8;
 
-/// Solves in place; returns the number of iterations.
+/// Solves in place.
 ///
 /// The method stops when the next update, estimated from the contraction of the last two, would be below the tolerance and the
 /// discrete state is that of the solution.
@@ -139,7 +157,7 @@ pub fn solve(
     unknowns: &mut [f64],
     residual: &mut Vec<f64>,
     settings: &Settings,
-) -> Result<usize, Failure> {
+) -> Result<Solution, Failure> {
     let fail = |reason: String, iterations| Failure { reason, iterations };
     let mut update = vec![0.0; unknowns.len()];
     let mut broyden = Broyden::default();
@@ -150,6 +168,10 @@ pub fn solve(
     // `previous` is the size of the last update, as far as the next one says how fast they shrink.
     let (mut stale, mut previous) = (estimate.is_none(), predicted);
     let (mut iterations, mut formed, mut converged, mut lost) = (0, 0, false, 0);
+    let known = estimate.and_then(|estimate| estimate.remainder);
+    let mut remainder = known.map(|remainder| remainder.clamp(LEAST_REMAINDER, 1.0).powf(FORGETTING));
+    // Size of the first update with the present tangent, until the next one.
+    let mut first: Option<f64> = None;
     while !stale || formed < settings.maximum_iterations {
         if settings.deadline.passed() {
             return Err(fail(OVER.into(), iterations));
@@ -161,11 +183,17 @@ pub fn solve(
             tangent.map_err(|reason| fail(if settings.deadline.passed() { OVER.into() } else { reason }))?;
             formed += 1;
             broyden.steps.clear();
+            remainder = None;
         }
         update.copy_from_slice(residual);
         problem.solve(&mut update).map_err(fail)?;
+        if let Some(first) = first.filter(|_| !stale) {
+            let contraction = problem.relative_size(unknowns, &update) / first;
+            remainder = Some(contraction / (1.0 - contraction.min(0.9)));
+        }
         broyden.correct(&mut update);
         let size = problem.relative_size(unknowns, &update);
+        first = broyden.steps.is_empty().then_some(size);
         if !size.is_finite() {
             return Err(fail("the update is not finite".into()));
         }
@@ -178,17 +206,17 @@ pub fn solve(
         let rest = match contraction {
             // With one factorisation the updates shrink like a geometric series.
             Some(contraction) if !stale => contraction / (1.0 - contraction.min(0.9)),
-            None if !stale => 10.0,
+            None if !stale => remainder.unwrap_or(10.0),
             _ => contraction.unwrap_or(1.0).min(1.0),
         };
         converged = size * rest < settings.tolerance;
         if converged && !problem.has_discrete_state() {
             problem.apply(unknowns, &update);
-            return Ok(iterations);
+            return Ok(Solution { iterations, remainder });
         }
         let changed = advance(problem, unknowns, &mut update, residual).map_err(fail)?;
         if converged && !changed {
-            return Ok(iterations);
+            return Ok(Solution { iterations, remainder });
         }
         let slow = |contraction: f64| {
             contraction >= 1.0 || (settings.tolerance / size).ln() / contraction.ln() > settings.patience
@@ -280,7 +308,7 @@ mod tests {
             deadline: Deadline::default(),
         };
         let result = solve(&mut problem, &mut z, &mut Vec::new(), &settings);
-        (result, z[0], problem)
+        (result.map(|solution| solution.iterations), z[0], problem)
     }
 
     #[test]

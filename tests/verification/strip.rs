@@ -166,9 +166,9 @@ impl Strip {
             most_large: 40,
             deadline: Deadline::default(),
         };
-        let iterations = newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
+        let solution = newton::solve(self, &mut unknowns, &mut Vec::new(), &settings).unwrap();
         self.unknowns = unknowns;
-        iterations
+        solution.iterations
     }
 
     /// Change of volume (J - 1) dA at the quadrature points of every element.

@@ -22,6 +22,8 @@ pub struct Slope {
 pub(super) struct Tangent {
     linearization: Option<State>,
     slopes: [Option<Slope>; 3],
+    /// See [`newton::Solution::remainder`].
+    remainder: Option<f64>,
 }
 
 /// How Newton's method goes about a guess.
@@ -64,8 +66,9 @@ impl System {
         };
         match newton::solve(&mut problem, &mut unknowns, &mut Vec::new(), &task.settings) {
             Err(failure) => (Err(failure.reason), failure.iterations),
-            Ok(iterations) => {
+            Ok(newton::Solution { iterations, remainder }) => {
                 problem.take(&unknowns);
+                problem.system.tangent.remainder = remainder;
                 (Ok(problem.state), iterations)
             }
         }
@@ -97,6 +100,11 @@ impl System {
     /// Where the last tangent was formed.
     pub fn linearization(&self) -> Option<&State> {
         self.tangent.linearization.as_ref()
+    }
+
+    /// What the first update with the last tangent left, see [`newton::Solution::remainder`].
+    pub fn remainder(&self) -> Option<f64> {
+        self.tangent.remainder
     }
 
     /// How the solution changes with one of depth, speed and slide-to-roll ratio, by the last tangent.
