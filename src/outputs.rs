@@ -9,8 +9,7 @@ mod results;
 use num_dual::Dual64;
 
 use crate::equations::system::{Change, Solved};
-use crate::equations::tissue::Tissue;
-use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, POINTS, quadratic, quadratic_derivative};
+use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
 use crate::laws::contact::mobilised_friction;
 use crate::parameters::Parameters;
@@ -216,7 +215,7 @@ impl Solved<'_> {
         let boundary = resultant.rubbing * rubs;
         let fluid_friction = [rolling + sliding, -rolling + sliding];
 
-        let tissue = self.tissue_energy(change, speeds);
+        let tissue = self.tissue_results(change, speeds);
         let tangential_load = resultant.on_slopes + beyond - sliding_along_x - resultant.rubbing_along_x * rubs;
         let load_moment = resultant.moment + sliding_lever + resultant.rubbing_lever * rubs;
         // Each bone turns about the centre of its undeformed surface, so that this one has the surface's speed.
@@ -288,7 +287,7 @@ impl Solved<'_> {
                 .iter()
                 .copied()
                 .fold(Dual64::from(0.0), |a, b| if b.re > a.re { b } else { a }),
-            maximum_von_mises_stress: self.von_mises(change),
+            maximum_von_mises_stress: tissue.von_mises,
             fluid_exudation: outflow.clone().filter(|v| v.re > 0.0).sum(),
             net_fluid_exudation: outflow.sum(),
             newton_iterations: 0,
@@ -333,32 +332,6 @@ impl Solved<'_> {
                 f(first, (2.0 * (place - x[first]) / (x[first + 2] - x[first]) - 1.0).clamp(-1.0, 1.0))
             })
             .collect()
-    }
-
-    /// Largest von Mises stress at the quadrature points.
-    fn von_mises(&self, change: &Change) -> Dual64 {
-        let (system, unknowns) = (self.system, &self.state.unknowns);
-        let depth = self.state.inputs.penetration_depth;
-        let mut largest = (0.0, 0, 0, 0);
-        for (body, layer) in system.layers.iter().enumerate() {
-            for element in 0..layer.mesh.elements() {
-                let at = system.local(body, element, unknowns, depth);
-                for point in 0..POINTS {
-                    let tissue = layer.tissue.at_depth(layer.mesh.point_depth(element, point));
-                    let stress = tissue.solid.von_mises(&Tissue::strain(&layer.mesh, element, point, &at));
-                    if stress > largest.0 {
-                        largest = (stress, body, element, point);
-                    }
-                }
-            }
-        }
-        let (stress, body, element, point) = largest;
-        let mesh = &system.layers[body].mesh;
-        let strain = Tissue::strain(mesh, element, point, &system.local(body, element, unknowns, depth));
-        let local = system.local_change(body, element, &change.unknowns, change.inputs.penetration_depth);
-        let direction = Tissue::strain(mesh, element, point, &local).gradient;
-        let tissue = system.layers[body].tissue.at_depth(mesh.point_depth(element, point));
-        Dual64::new(stress, tissue.solid.von_mises_derivative(&strain, &direction))
     }
 }
 

@@ -116,6 +116,15 @@ impl Tissue {
         })
     }
 
+    /// The material at a quadrature point of an element.
+    #[inline(always)]
+    pub fn at_point(&self, mesh: &LayerMesh, element: usize, q: usize) -> Cow<'_, Self> {
+        match self.profile {
+            None => Cow::Borrowed(self),
+            Some(_) => self.at_depth(mesh.point_depth(element, q)),
+        }
+    }
+
     /// Hydraulic permeability of the strained tissue, and its derivative with respect to the volume ratio, relative to it. `along` is a direction
     /// of the layer, of any length.
     pub fn mobility_at(&self, strain: &Strain, along: &Vector2<f64>) -> (Mobility, f64) {
@@ -283,15 +292,6 @@ struct Element<'a> {
 }
 
 impl Element<'_> {
-    /// The material at a quadrature point.
-    #[inline(always)]
-    fn tissue_at(&self, q: usize) -> Cow<'_, Tissue> {
-        match self.tissue.profile {
-            None => Cow::Borrowed(self.tissue),
-            Some(_) => self.tissue.at_depth(self.mesh.point_depth(self.element, q)),
-        }
-    }
-
     #[inline(always)]
     fn state(&self, fields: &ElementFields<'_>, q: usize) -> Result<State, Inverted> {
         let point = fields.at(q);
@@ -320,7 +320,8 @@ impl Element<'_> {
         let fields = ElementFields::new(self.mesh, self.element, self.at);
         let mut factors = TangentFactors::NONE;
         for q in 0..POINTS {
-            let derivatives = self.tissue_at(q).integrand_derivatives(&self.state(&fields, q)?);
+            let derivatives =
+                self.tissue.at_point(self.mesh, self.element, q).integrand_derivatives(&self.state(&fields, q)?);
             factors.set(self.mesh, self.element, q, &derivatives);
         }
         factors.add_to(tangent);
@@ -343,7 +344,7 @@ impl<const BY_SPEED: bool> WithSimd for AddIntegral<'_, '_, BY_SPEED> {
         let fields = ElementFields::new(mesh, element, at);
         let mut sum = ResidualSum::new(mesh, element);
         for q in 0..POINTS {
-            let (tissue, state) = (self.element.tissue_at(q), self.element.state(&fields, q)?);
+            let (tissue, state) = (self.element.tissue.at_point(mesh, element, q), self.element.state(&fields, q)?);
             let integrand = if BY_SPEED { tissue.integrand_by_speed(&state) } else { tissue.integrand(&state) };
             sum.add(q, &integrand);
         }

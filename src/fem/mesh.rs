@@ -19,6 +19,7 @@ pub fn quadratic_stations(count: usize, end: impl Fn(usize) -> f64) -> Vec<f64> 
 }
 
 /// Derivatives with respect to X and Y from those by the local coordinates s and t, with the Jacobian [dX/ds dX/dt dY/ds dY/dt].
+#[inline(always)]
 fn gradients([xs, xt, ys, yt]: [f64; 4], by_s: &[f64; NODES], by_t: &[f64; NODES]) -> [[f64; NODES]; 2] {
     let inverse = 1.0 / (xs * yt - xt * ys);
     let [xs, xt, ys, yt] = [xs, xt, ys, yt].map(|value| inverse * value);
@@ -110,24 +111,35 @@ impl LayerMesh {
             shape,
             pressure_shape,
         };
-        for element in 0..columns * rows {
-            let at = mesh.element_nodes(element).map(|n| mesh.nodes[n]);
-            for q in 0..POINTS {
-                let sum = |values: &[f64; NODES], k: usize| -> f64 { (0..NODES).map(|a| values[a] * at[a][k]).sum() };
-                // Jacobian [dX/ds dX/dt; dY/ds dY/dt]
-                let [xs, xt, ys, yt] = [sum(&by_s[q], 0), sum(&by_t[q], 0), sum(&by_s[q], 1), sum(&by_t[q], 1)];
-                let determinant = xs * yt - xt * ys;
-                let gradients = |s, t| gradients([xs, xt, ys, yt], s, t);
-                mesh.points.push(Point {
-                    weight: determinant.abs() * GAUSS_WEIGHTS[q % 3] * GAUSS_WEIGHTS[q / 3],
-                    gradients: gradients(&by_s[q], &by_t[q]),
-                    velocity: velocity([sum(&shape[q], 0), sum(&shape[q], 1)]),
-                });
-                if pressure_order != 2 {
-                    mesh.pressure_gradients.push(gradients(&pressure_by_s[q], &pressure_by_t[q]));
+        // A mesh that goes with the contact is made anew twice a step: with the processor's vectors.
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for element in 0..columns * rows {
+                    let at = mesh.element_nodes(element).map(|n| mesh.nodes[n]);
+                    for q in 0..POINTS {
+                        // At the point: place, and its derivatives with respect to the local coordinates.
+                        let (mut place, mut along_s, mut along_t) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+                        for (a, at) in at.iter().enumerate() {
+                            for k in 0..2 {
+                                place[k] += shape[q][a] * at[k];
+                                along_s[k] += by_s[q][a] * at[k];
+                                along_t[k] += by_t[q][a] * at[k];
+                            }
+                        }
+                        let jacobian @ [xs, xt, ys, yt] = [along_s[0], along_t[0], along_s[1], along_t[1]];
+                        mesh.points.push(Point {
+                            weight: (xs * yt - xt * ys).abs() * GAUSS_WEIGHTS[q % 3] * GAUSS_WEIGHTS[q / 3],
+                            gradients: gradients(jacobian, &by_s[q], &by_t[q]),
+                            velocity: velocity(place),
+                        });
+                        if pressure_order != 2 {
+                            mesh.pressure_gradients.push(gradients(jacobian, &pressure_by_s[q], &pressure_by_t[q]));
+                        }
+                    }
                 }
-            }
-        }
+            },
+        );
         mesh.ends = [(0, -1.0), (columns - 1, 1.0)].map(|(column, s)| {
             let element = |row| from_fn(|q| mesh.end_point(column * rows + row, s, q, &velocity));
             (0..rows).map(element).collect()

@@ -141,10 +141,8 @@ pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, contr
         return Prediction { by_tangent: guess.clone(), guess, changes, estimate: None };
     };
     guess.inputs.penetration_depth += approach;
-    let mut estimate = PredictorEstimate {
-        step: system.relative_size(&guess.unknowns, &update),
-        ..PredictorEstimate::default()
-    };
+    let mut estimate =
+        PredictorEstimate { step: system.relative_size(&guess.unknowns, &update), ..PredictorEstimate::default() };
     system.apply(&mut guess.unknowns, &update, &guess.active);
     let by_tangent = guess.clone();
     if let Some((error, steps)) = reusable

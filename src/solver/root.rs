@@ -9,7 +9,11 @@ pub fn increasing([mut low, mut high]: [f64; 2], start: f64, f: impl Fn(f64) -> 
     let mut x = start;
     for _ in 0..STEPS {
         let (value, slope) = f(x);
-        if value < 0.0 { low = x } else { high = x }
+        if value < 0.0 {
+            low = x
+        } else {
+            high = x
+        }
         let newton = x - value / slope;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         let change = (next - x).abs();
@@ -41,7 +45,11 @@ mod tests {
             let place = (x - 1.0) / 1e-3;
             counted(place.atan() + 0.5, 1e3 / (1.0 + place * place))
         });
-        assert!((root - (1.0 - 1e-3 * 0.5_f64.tan())).abs() < 1e-15 && calls.get() < 40, "{root} after {}", calls.get());
+        assert!(
+            (root - (1.0 - 1e-3 * 0.5_f64.tan())).abs() < 1e-15 && calls.get() < 40,
+            "{root} after {}",
+            calls.get()
+        );
     }
 
     #[test]

@@ -44,7 +44,7 @@ struct Posed<'a> {
     state: State,
     load: Option<LoadBalance>,
     deadline: Deadline,
-    reusable: Option<(State, PredictorEstimate)>,
+    reusable: Option<(&'a State, PredictorEstimate)>,
 }
 
 impl System {
@@ -57,13 +57,8 @@ impl System {
         };
         let mut unknowns = guess.unknowns.clone();
         unknowns.extend(load.map(|_| guess.inputs.penetration_depth));
-        let mut problem = Posed {
-            system: self,
-            state: guess,
-            load,
-            deadline: task.settings.deadline,
-            reusable: task.reusable.map(|(linearization, estimate)| (linearization.clone(), estimate)),
-        };
+        let mut problem =
+            Posed { system: self, state: guess, load, deadline: task.settings.deadline, reusable: task.reusable };
         match newton::solve(&mut problem, &mut unknowns, &mut Vec::new(), &task.settings) {
             Err(failure) => (Err(failure.reason), failure.iterations),
             Ok(newton::Solution { iterations, remainder }) => {
@@ -152,7 +147,7 @@ impl newton::Problem for Posed<'_> {
         let fits = linearization.mirrored == self.state.mirrored
             && linearization.active == self.state.active
             && rate(&linearization) == rate(&self.state);
-        (fits && self.system.form(&linearization).is_ok()).then_some(estimate)
+        (fits && self.system.form(linearization).is_ok()).then_some(estimate)
     }
 
     fn factorise(&mut self, _unknowns: &[f64]) -> Result<(), String> {

@@ -73,6 +73,15 @@ impl Change {
             contact_forces: vec![0.0; stations],
         }
     }
+
+    /// Whether there is no change.
+    pub fn is_none(&self) -> bool {
+        let zero = |values: &[f64]| values.iter().all(|value| *value == 0.0);
+        self.inputs == Direction::default()
+            && self.history.is_none()
+            && zero(&self.unknowns)
+            && zero(&self.contact_forces)
+    }
 }
 
 impl System {

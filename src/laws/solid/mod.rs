@@ -47,6 +47,14 @@ impl From<HolmesMow> for Solid {
 }
 
 impl GroundMatrix {
+    /// Shear and bulk modulus at small strain \[Pa\].
+    fn moduli(&self) -> [f64; 2] {
+        match self {
+            Self::NeoHookean(law) => [law.shear_modulus, law.bulk_modulus],
+            Self::HolmesMow(law) => [law.shear_modulus, law.bulk_modulus],
+        }
+    }
+
     fn energy(&self, strain: &Strain) -> f64 {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
         match self {
@@ -122,12 +130,13 @@ impl Solid {
 
     /// Modulus of uniaxial compression at small strain, K + 4G/3 \[Pa\]: no fibre pulls.
     pub fn aggregate_modulus(&self) -> f64 {
-        self.tangent(&Strain::new(Matrix2::zeros()))[(3, 3)]
+        let [shear_modulus, bulk_modulus] = self.matrix.moduli();
+        bulk_modulus + 4.0 / 3.0 * shear_modulus
     }
 
     /// Shear modulus G at small strain, where no fibre pulls \[Pa\].
     pub fn shear_modulus(&self) -> f64 {
-        self.tangent(&Strain::new(Matrix2::zeros()))[(1, 1)]
+        self.matrix.moduli()[0]
     }
 
     /// Von Mises stress of the true (Cauchy) effective stress J^-1 P F^T with the out-of-plane stress of plane strain \[Pa\].
