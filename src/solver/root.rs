@@ -15,7 +15,7 @@ pub fn increasing([mut low, mut high]: [f64; 2], start: f64, f: impl Fn(f64) -> 
             high = x
         }
         let newton = x - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let next = if (low..=high).contains(&newton) { newton } else { 0.5 * (low + high) };
         let change = (next - x).abs();
         x = next;
         if change <= 4.0 * f64::EPSILON * x.abs() || high - low <= 2.0 * f64::EPSILON * high.abs() {
