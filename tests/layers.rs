@@ -5,9 +5,10 @@
 use std::path::{Path, PathBuf};
 
 /// The layers from the bottom; those in one row do not use each other unless they are one module.
-const LAYERS: [&[&str]; 10] = [
-    &["error", "units", "laws"],
-    &["parameters", "fem", "solver", "files"],
+const LAYERS: [&[&str]; 11] = [
+    &["error", "units", "solver"],
+    &["laws"],
+    &["parameters", "fem", "files"],
     &["equations", "memory"],
     &["outputs", "fields"],
     &["simulation"],

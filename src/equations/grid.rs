@@ -73,21 +73,35 @@ fn indentation(parameters: &Parameters, a: f64) -> f64 {
     curved(parameters, a) * relative_indentation(parameters, a)
 }
 
-/// Half-width at which a load \[N/m\] is carried: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
-/// strain up to a/t = 6.
-fn half_width_under(parameters: &Parameters, load: f64) -> f64 {
-    let lower = if parameters.rigid_lower { 0.0 } else { 1.0 / parameters.lower.mean_shear_modulus() };
-    let modulus = 2.0 / (1.0 / parameters.upper.mean_shear_modulus() + lower);
-    let carried = |a: f64| {
-        let ratio = a / thickness(parameters);
-        0.5 * curved(parameters, a) * modulus * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
-    };
-    root(carried, load.max(0.0))
+/// About what a contact in motion is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Expected {
+    /// How deep the bones are pressed together \[m\].
+    pub depth: f64,
+    /// Half the width over which they are pressed \[m\].
+    pub half_width: f64,
+    /// What that carries, per unit of width \[N/m\].
+    pub load: f64,
 }
 
-/// The depth at which about this load is carried in motion \[m\].
-pub fn depth_under(parameters: &Parameters, load: f64) -> f64 {
-    indentation(parameters, half_width_under(parameters, load))
+impl Expected {
+    /// At the depth or under the load of these inputs; of bones apart, what there is at first touch.
+    pub fn new(parameters: &Parameters, inputs: &Inputs, control: Control) -> Self {
+        let half_width = match control {
+            Control::Depth => root(|a| indentation(parameters, a), inputs.penetration_depth),
+            Control::Load => root(|a| carried(parameters, a), inputs.applied_load.max(0.0)),
+        };
+        Self { depth: indentation(parameters, half_width), half_width, load: carried(parameters, half_width) }
+    }
+}
+
+/// Load \[N/m\] that is carried at a half-width a: W R/(G a^2) of the same table within a tenth up to a/t = 2, and as computed at finite
+/// strain up to a/t = 6.
+fn carried(parameters: &Parameters, a: f64) -> f64 {
+    let lower = if parameters.rigid_lower { 0.0 } else { 1.0 / parameters.lower.mean_shear_modulus() };
+    let modulus = 2.0 / (1.0 / parameters.upper.mean_shear_modulus() + lower);
+    let ratio = a / thickness(parameters);
+    0.5 * curved(parameters, a) * modulus * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
 }
 
 /// Mean thickness of the layers \[m\].
@@ -119,7 +133,7 @@ pub fn contact_half_width(parameters: &Parameters, inputs: &Inputs, control: Con
             let smooth = depth.hypot(FILM);
             (root(|a| indentation(parameters, a), 0.5 * (smooth + depth)), (smooth - depth) / curvature)
         }
-        Control::Load => (half_width_under(parameters, inputs.applied_load), FILM / curvature),
+        Control::Load => (Expected::new(parameters, inputs, control).half_width, FILM / curvature),
     };
     /// Of the edges of the contact in undeformed layers, where the film's pressure begins: computed at finite strain, 10 to 50 % compression.
     const SPREADING: f64 = 0.57;

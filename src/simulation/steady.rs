@@ -6,7 +6,7 @@ use super::relaxation::relax;
 use crate::equations::grid;
 use crate::equations::system::Solved;
 use crate::error::Error;
-use crate::parameters::{Control, Formulation, Inputs};
+use crate::parameters::{Control, Formulation, Inputs, Parameters};
 use crate::solver::{continuation, newton};
 
 /// A steady state, and the tangent that led to it: near enough to predict states nearby and to solve for them.
@@ -25,10 +25,13 @@ const ITERATIONS: usize = 25;
 /// Most of them with an update larger than the unknowns, where the edges of the contact move with the mesh.
 const LARGE_UPDATES: usize = 4;
 
-/// How many times its own viscosity the fluid has, in film and pores, on the way to a state from rest: so thick that no fluid to speak of
-/// comes out of the tissue where it enters the contact. A thin film cannot carry that off (of a flux Q = U h/2 - h^3 p'/(12 eta) there
+/// How many times its own viscosity the fluid has at most, in film and pores, on the way to a state from rest: so thick that no fluid to speak
+/// of comes out of the tissue where it enters the contact. A thin film cannot carry that off (of a flux Q = U h/2 - h^3 p'/(12 eta) there
 /// is a most), it piles up in a jump, and the jump moves through the mesh as the load grows.
 const THICKENING: f64 = 1000.0;
+/// But not so thick that the film is thicker than about this fraction of the depth: between surfaces that all but conform it would be, and would
+/// hold them together beyond the contact.
+const THICKEST_FILM: f64 = 0.2;
 /// From what depth such a way starts at once, and with a film of what thickness, as fractions of a layer's thickness.
 const AFLOAT: (f64, f64) = (0.1, 0.02);
 
@@ -81,11 +84,12 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
         let first = from_rest(bodies, &Inputs { applied_load: FIRST_LOAD, ..*inputs }, iterations)?;
         return follow(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
     }
+    let expected = grid::Expected::new(&parameters, inputs, control);
     let depth = match control {
         Control::Depth => inputs.penetration_depth,
-        Control::Load => grid::depth_under(&parameters, inputs.applied_load),
+        Control::Load => expected.depth,
     };
-    let thickening = if grid::moves(&parameters) { THICKENING } else { 1.0 };
+    let thickening = if grid::moves(&parameters) { thickening(&parameters, inputs, &expected) } else { 1.0 };
     let rest = State { thickening, ..bodies.rest(inputs) };
     let apart = Inputs { penetration_depth: rest.inputs.penetration_depth, ..*inputs };
     let pressed = Inputs { penetration_depth: depth, ..*inputs };
@@ -110,6 +114,14 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
         (Control::Depth, 1.0) => Ok(reached),
         _ => relaxed(bodies, &reached, &target, control, iterations),
     }
+}
+
+/// How many times its own viscosity the fluid has on the way from rest to a contact like this.
+fn thickening(parameters: &Parameters, inputs: &Inputs, expected: &grid::Expected) -> f64 {
+    let grid::Expected { depth, half_width, load } = *expected;
+    // Viscosity times speed times half-width over the mean pressure is about the square of the film's thickness.
+    let square = parameters.viscosity * inputs.sliding_speed.abs() * half_width / (load / (2.0 * half_width));
+    ((THICKEST_FILM * depth).powi(2) / square).clamp(1.0, THICKENING)
 }
 
 fn relaxed(
