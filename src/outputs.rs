@@ -116,9 +116,10 @@ impl Solved<'_> {
     pub fn outputs(&self) -> (Outputs, Vec<String>) {
         let none = Change::none(self.system.unknowns(), self.system.stations.len());
         let mut outputs = self.along(&none).map(|dual| dual.re);
-        let Resolution { load_error, film_error, warnings } = self.resolution(&outputs);
+        let Resolution { load_error, film_error, friction_error, warnings } = self.resolution(&outputs);
         outputs.estimated_load_error = load_error;
         outputs.estimated_film_error = film_error;
+        outputs.estimated_friction_error = friction_error;
         outputs.well_resolved = warnings.is_empty();
         (outputs, warnings)
     }
@@ -294,6 +295,7 @@ impl Solved<'_> {
             real_contact_share: ratio_of(loads.in_real_contact, loads.total()),
             estimated_load_error: Dual64::from(0.0),
             estimated_film_error: Dual64::from(0.0),
+            estimated_friction_error: Dual64::from(0.0),
             well_resolved: true,
             mesh_columns: system.layers[0].mesh.columns as i32,
             mesh_rows: system.layers[0].mesh.rows as i32,

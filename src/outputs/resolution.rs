@@ -3,7 +3,6 @@
 use super::Outputs;
 use crate::equations::grid;
 use crate::equations::system::{Change, Solved};
-use crate::laws::roughness::Roughness;
 use crate::parameters::Formulation;
 
 /// What can be said of a solution's resolution.
@@ -13,6 +12,8 @@ pub struct Resolution {
     pub load_error: f64,
     /// Estimated error of the least film thickness by the mesh, relative to it.
     pub film_error: f64,
+    /// Estimated error of the friction by the mesh, relative to the larger of the two friction forces.
+    pub friction_error: f64,
     /// What is not resolved, one sentence each with what to do.
     pub warnings: Vec<String>,
 }
@@ -23,6 +24,10 @@ const LARGE_ERROR: f64 = 0.02;
 const LARGE_FILM_ERROR: f64 = 0.03;
 /// Pressure at an end of the sector over the largest one that is worth one.
 const LARGE_END: f64 = 0.03;
+/// And of the friction: in random cases all whose friction was 4 % off and more by the film's shape are above it, all others far below.
+const LARGE_FRICTION_ERROR: f64 = 0.03;
+/// Friction below this fraction of the load is none.
+const LEAST_FRICTION: f64 = 1e-5;
 /// A film thinner than this is none \[m\].
 const THINNEST_FILM: f64 = 1e-8;
 /// Of the sector beyond where the pressure ends, in thicknesses, for 2 % of the load.
@@ -132,14 +137,15 @@ impl Solved<'_> {
                 break;
             }
         }
-        if let Some((roughness, _)) = system.film().rough
-            && !grid_fits_film(self, &roughness, &pressure, outputs)
-        {
-            warnings.push(
-                "the film is so thin that its thickness is taken from upstream: its own rolling friction may be off by a tenth and more, its least \
-                 thickness by some per cent; load, sliding and boundary friction are not concerned. More mesh.columns help"
-                    .into(),
-            );
+        let fluid: Vec<f64> = nodes.iter().map(|i| fluid(*i).unwrap_or(0.0)).collect();
+        let friction_error = friction_error(self, &fluid, outputs);
+        if friction_error > LARGE_FRICTION_ERROR {
+            let least = if system.film().rough.is_some() { ", its least thickness by some per cent" } else { "" };
+            warnings.push(format!(
+                "the film changes so much from column to column where the pressure falls that its rolling friction may be off by {:.0} % of all \
+                 friction{least}; load, sliding and boundary friction are not concerned: more mesh.columns",
+                100.0 * friction_error
+            ));
         }
         if grid::moves(p) {
             let ratio = grid::contact_half_width(p, inputs, p.control) / system.contact_half_width();
@@ -150,21 +156,16 @@ impl Solved<'_> {
                 ));
             }
         }
-        Resolution { load_error, film_error, warnings }
+        Resolution { load_error, film_error, friction_error, warnings }
     }
 }
 
-/// What the film's kinks between elements and its curvature within one leave open where it is nearly as thin as at its least: the smaller of both, since each
-/// is large alone where a film is flat at rest or bends evenly. Where smooth surfaces touch the least thickness is none.
-fn film_error(solved: &Solved<'_>) -> f64 {
+/// Kink of the film at every end between two elements, and its curvature within one, as changes of thickness over an element \[m\]. A quarter of the smaller
+/// is what the interpolation of the film may miss: each is large alone where a film is flat at rest or bends evenly.
+fn kinks_and_bends(solved: &Solved<'_>) -> impl Iterator<Item = (usize, [f64; 2])> {
     let system = solved.system;
-    if solved.state.touches() {
-        return 0.0;
-    }
     let film: Vec<f64> = (0..system.stations.len()).map(|i| solved.state.gap(system, i)).collect();
-    let least = film.iter().copied().fold(f64::INFINITY, f64::min).max(THINNEST_FILM);
-    let mut error: [f64; 2] = [0.0; 2];
-    for i in (2..film.len() - 2).step_by(2).filter(|i| film[*i] < 1.3 * least) {
+    (2..film.len() - 2).step_by(2).map(move |i| {
         let lengths = [i - 2, i].map(|first| 0.5 * (system.arc[first + 2] - system.arc[first]));
         // Of the parabolas to both sides.
         let slopes = [
@@ -173,18 +174,37 @@ fn film_error(solved: &Solved<'_>) -> f64 {
         ];
         let kink = (slopes[1] - slopes[0]) * lengths[0].max(lengths[1]);
         let bend = film[i - 1] - 2.0 * film[i] + film[i + 1];
-        error = [error[0].max(kink.abs()), error[1].max(bend.abs())];
-    }
-    0.25 * error[0].min(error[1]) / least
+        (i, [kink.abs(), bend.abs()])
+    })
 }
 
-/// Whether the film is fine enough for its rolling friction, within some hundredths of all friction: the upstream weight moves the thickness by up to half of
-/// what it changes over a column, and the shear is half of that times the drop of pressure.
-fn grid_fits_film(solved: &Solved<'_>, roughness: &Roughness, pressure: &[f64], outputs: &Outputs) -> bool {
-    let gap = |i: usize| solved.state.gap(solved.system, 2 * i);
-    let missed = (1..pressure.len())
-        .filter(|i| gap(*i).max(gap(*i - 1)) < 10.0 * roughness.rms)
-        .map(|i| 0.25 * ((gap(i) - gap(i - 1)) * (pressure[i] - pressure[i - 1])).abs())
-        .sum::<f64>();
-    missed * solved.system.parameters().width <= 0.04 * outputs.upper_friction_force.abs()
+/// What that leaves open where the film is nearly as thin as at its least. Where smooth surfaces touch the least thickness is none.
+fn film_error(solved: &Solved<'_>) -> f64 {
+    let system = solved.system;
+    if solved.state.touches() {
+        return 0.0;
+    }
+    let gap = |i: usize| solved.state.gap(system, i);
+    let least = (0..system.stations.len()).map(gap).fold(f64::INFINITY, f64::min).max(THINNEST_FILM);
+    let thin = kinks_and_bends(solved).filter(|(i, _)| gap(*i) < 1.3 * least);
+    let [kink, bend] = thin.fold([0.0; 2], |[a, b]: [f64; 2], (_, [kink, bend])| [a.max(kink), b.max(bend)]);
+    0.25 * kink.min(bend) / least
+}
+
+/// What it leaves open of the film's rolling friction, int h/2 dp, over all friction. The upstream weight of a thin film between rough surfaces moves
+/// its thickness besides, by up to half of what it changes over a column.
+fn friction_error(solved: &Solved<'_>, fluid_pressure: &[f64], outputs: &Outputs) -> f64 {
+    let system = solved.system;
+    let gap = |i: usize| solved.state.gap(system, 2 * i);
+    let fall = |i: usize| (fluid_pressure[i + 1] - fluid_pressure[i]).abs();
+    let by_shape: f64 = kinks_and_bends(solved)
+        .map(|(i, [kink, bend])| 0.25 * kink.min(bend) * 0.25 * (fall(i / 2 - 1) + fall(i / 2)))
+        .sum();
+    let by_weight: f64 = system.film().rough.map_or(0.0, |(roughness, _)| {
+        let thin = (0..fluid_pressure.len() - 1).filter(|i| gap(*i).max(gap(*i + 1)) < 10.0 * roughness.rms);
+        thin.map(|i| 0.25 * (gap(i + 1) - gap(i)).abs() * fall(i)).sum()
+    });
+    let friction = outputs.upper_friction_force.abs().max(outputs.lower_friction_force.abs());
+    let least = LEAST_FRICTION * outputs.normal_force.abs();
+    (by_shape + by_weight) * system.parameters().width / friction.max(least)
 }

@@ -133,8 +133,9 @@ fn bonded_layer(parameters: &Parameters, depth: f64) -> f64 {
     0.5 * sum * a * a * parameters.upper.shear_modulus * (4.68 * ratio.powf(0.8) + 0.714 * ratio.powf(2.5))
 }
 
-/// Seeds of cases that are quickly solved; the pressure of one is three times off, which its warnings say.
-const QUICK: [u64; 8] = [35, 42, 47, 52, 54, 55, 61, 72];
+/// Seeds of cases that are quickly solved; the pressure of one is three times off and the friction of another, smooth surfaces in contact that roll, by
+/// 5 %, which their warnings say.
+const QUICK: [u64; 9] = [35, 42, 47, 52, 54, 55, 61, 72, 108];
 
 /// Seconds after which a case is given up.
 fn limit() -> f64 {
@@ -173,9 +174,10 @@ fn off(parameters: &Parameters, coarse: &Outputs, fine: &Outputs) -> [f64; 3] {
         Control::Depth => relative(coarse.load, fine.load, 0.0),
         Control::Load => relative(coarse.penetration_depth, fine.penetration_depth, 0.0),
     };
-    // Films below a tenth of the roughness, or below the offset of smooth ones, are closed ones; friction below 1e-5 of the load is none.
+    // Films below a tenth of the roughness, or below the offset of smooth ones, are closed ones; friction below 1e-5 of the load is none,
+    // and that of one body is measured by the larger of both: its rolling and its sliding part may cancel.
     let film = (0.1 * parameters.surface_roughness).max(1e-8);
-    let friction = 1e-5 * fine.load * parameters.width;
+    let friction = (1e-5 * fine.normal_force).max(fine.lower_friction_force.abs());
     [
         followed,
         relative(coarse.minimum_film_thickness, fine.minimum_film_thickness, film),
@@ -285,5 +287,5 @@ fn random_cases_are_right_or_carry_a_warning() {
 #[test]
 fn quick_random_cases_are_right_or_carry_a_warning() {
     let found = random_cases(QUICK.into_iter());
-    assert_eq!((found.len(), within(&found, FAIR)), (QUICK.len() - 1, QUICK.len() - 1));
+    assert_eq!((found.len(), within(&found, FAIR)), (QUICK.len() - 2, QUICK.len() - 2));
 }
