@@ -16,8 +16,8 @@ const FIRST_STEP: f64 = 2e-4;
 const LONGEST_STEP: f64 = 1e6;
 /// How much of the way is gone in the first of them, and by how much that grows at most.
 const PORTION: (f64, f64) = (0.1, 1.5);
-/// Within this fraction of what is wanted load and depth need no way to it.
-const THERE: f64 = 0.01;
+/// Up to this change of its logarithm a load may change at once.
+const FAR: f64 = 0.3;
 /// Only after steps this long is it worth trying whether time plays no part any more \[s\].
 const STEADY: f64 = 3e-4;
 
@@ -49,11 +49,11 @@ pub(super) fn relax(
         most_large: RELAXING_ITERATIONS,
         deadline: bodies.deadline,
     };
-    let [a, b] = [start, *to].map(|target| match control {
-        Control::Load => target.inputs.applied_load,
-        Control::Depth => target.inputs.penetration_depth,
-    });
-    let there = start.thickening == to.thickening && (a - b).abs() < THERE * b.abs();
+    let there = start.thickening == to.thickening
+        && match control {
+            Control::Load => (start.inputs.applied_load / to.inputs.applied_load).ln().abs() < FAR,
+            Control::Depth => start.inputs.penetration_depth == to.inputs.penetration_depth,
+        };
     let (mut step, mut done, mut portion) = (FIRST_STEP, 0.0, if there { 1.0 } else { PORTION.0 });
     let (mut patience, mut quick, mut spent) = (0, 0, 0);
     loop {

@@ -38,6 +38,9 @@ const AFLOAT: (f64, f64) = (0.1, 0.02);
 /// Fibres make tissue far stiffer than the theory that says what depth goes with a load. From this load on it is followed up \[N/m\].
 const FIRST_LOAD: f64 = 50.0;
 
+/// Slower motion is followed down from this speed: the slower tissue passes the contact, the more of its fluid it gives off \[m/s\].
+const FIRST_SPEED: f64 = 0.03;
+
 /// Least load for which there is a steady film worth the name \[N/m\].
 const LEAST_LOAD: f64 = 1e-6;
 
@@ -54,7 +57,10 @@ pub(super) fn solve(
         return Err(Error::value("applied_load", inputs.applied_load, allowed));
     }
     let target = Target { inputs: *inputs, thickening: 1.0 };
-    let result = match from.map(|from| follow(bodies, &from, target, control, iterations)) {
+    // Tissue that turns round comes to rest on its way, and there it drains: such states are further from each other than from rest.
+    let ways = |inputs: &Inputs| inputs.surface_speeds().map(|speed| if speed == 0.0 { 0.0 } else { speed.signum() });
+    let near = |from: &Steady| !grid::moves(&bodies.parameters) || ways(&from.state.inputs) == ways(inputs);
+    let result = match from.filter(near).map(|from| follow(bodies, &from, target, control, iterations)) {
         Some(Ok(state)) => return Ok(state),
         Some(Err(stuck)) if stuck.reason == UNRESOLVED => Err(stuck),
         _ => from_rest(bodies, inputs, iterations),
@@ -82,6 +88,12 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
     let fibres = [parameters.upper, parameters.lower].iter().any(|body| body.fibre_modulus > 0.0);
     if control == Control::Load && fibres && inputs.applied_load > FIRST_LOAD {
         let first = from_rest(bodies, &Inputs { applied_load: FIRST_LOAD, ..*inputs }, iterations)?;
+        return follow(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
+    }
+    let speed = inputs.sliding_speed;
+    if grid::moves(&parameters) && speed != 0.0 && speed.abs() < FIRST_SPEED {
+        let first = Inputs { sliding_speed: FIRST_SPEED.copysign(speed), ..*inputs };
+        let first = from_rest(bodies, &first, iterations)?;
         return follow(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
     }
     let expected = grid::Expected::new(&parameters, inputs, control);
@@ -280,8 +292,8 @@ pub(super) fn settle(
 /// Depths of contacts grow by the same factor in equal fractions of the way, counted from this much clearance \[m\].
 const CLEARANCE: f64 = 20e-6;
 
-/// What is given at a fraction of the way: viscosities, loads and, where the mesh goes with the contact, depths grow by the same factor
-/// in equal fractions, the rest evenly.
+/// What is given at a fraction of the way: viscosities, loads and, where the mesh goes with the contact, depths and speeds grow by the same
+/// factor in equal fractions, the rest evenly.
 pub(super) fn between(from: &Target, to: &Target, fraction: f64, control: Control, moves: bool) -> Target {
     let mix = |a: f64, b: f64| a + fraction * (b - a);
     let grow = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * (b / a).powf(fraction) } else { mix(a, b) };
@@ -291,6 +303,10 @@ pub(super) fn between(from: &Target, to: &Target, fraction: f64, control: Contro
     } else if moves {
         let [a, b] = [from, to].map(|target| target.inputs.penetration_depth + CLEARANCE);
         inputs.penetration_depth = grow(a, b) - CLEARANCE;
+    }
+    let [a, b] = [from, to].map(|target| target.inputs.sliding_speed);
+    if moves && a * b > 0.0 {
+        inputs.sliding_speed = grow(a.abs(), b.abs()).copysign(a);
     }
     Target { inputs, thickening: grow(from.thickening, to.thickening) }
 }
@@ -305,5 +321,7 @@ fn first_step(from: &Target, to: &Target, control: Control) -> f64 {
         }
         Control::Load => growth(from.inputs.applied_load, to.inputs.applied_load) / 0.5,
     };
-    (1.0 / size.max(growth(from.thickening, to.thickening) / 1.0)).min(1.0)
+    let [a, b] = [from, to].map(|target| target.inputs.sliding_speed);
+    let faster = if a * b > 0.0 { growth(a.abs(), b.abs()) / 1.2 } else { 0.0 };
+    (1.0 / size.max(growth(from.thickening, to.thickening)).max(faster)).min(1.0)
 }
