@@ -20,6 +20,7 @@ mod geometry;
 mod harmonic_pressure;
 mod identities;
 mod joint;
+mod joint_ways;
 mod mandel;
 mod paper_case;
 mod path_independence;
