@@ -60,10 +60,15 @@ pub(super) fn solve(
     // Tissue that turns round comes to rest on its way, and there it drains: such states are further from each other than from rest.
     let ways = |inputs: &Inputs| inputs.surface_speeds().map(|speed| if speed == 0.0 { 0.0 } else { speed.signum() });
     let near = |from: &Steady| !grid::moves(&bodies.parameters) || ways(&from.state.inputs) == ways(inputs);
-    let result = match from.filter(near).map(|from| follow(bodies, &from, target, control, iterations)) {
-        Some(Ok(state)) => return Ok(state),
-        Some(Err(stuck)) if stuck.reason == UNRESOLVED => Err(stuck),
-        _ => from_rest(bodies, inputs, iterations),
+    let result = match from {
+        None => from_rest(bodies, inputs, iterations),
+        Some(from) if near(&from) => match follow(bodies, &from, target, control, iterations) {
+            Err(stuck) if stuck.reason != UNRESOLVED => from_rest(bodies, inputs, iterations),
+            result => result,
+        },
+        Some(from) => {
+            from_rest(bodies, inputs, iterations).or_else(|_| follow(bodies, &from, target, control, iterations))
+        }
     };
     result.map_err(|stuck| Error::NotConverged {
         requested: inputs.described(control),

@@ -20,8 +20,8 @@ fn a_hip_is_loaded_from_rest_at_any_speed() {
     }
 }
 
-/// Walks at random in load (0.5 to 60 kN/m, up to a fifth a step), speed (-0.3 to 0.3 m/s) and slide-to-roll ratio (-1 to 1), from this load and
-/// speed: every state is found. Returns the iterations of every step.
+/// Walks at random in load (0.5 to 60 kN/m, up to a fifth a step), speed (-0.3 to 0.3 m/s) and slide-to-roll ratio (-0.99 to 0.99: a surface at
+/// rest has drained), from this load and speed: every state is found. Returns the iterations of every step.
 fn walk(preset: Preset, [mut load, mut speed]: [f64; 2], steps: usize) -> Vec<i32> {
     let parameters = Parameters { control: Control::Load, ..preset.parameters() };
     let mut joint = Simulation::new(&parameters).unwrap();
@@ -32,7 +32,7 @@ fn walk(preset: Preset, [mut load, mut speed]: [f64; 2], steps: usize) -> Vec<i3
     let step = |(by_load, by_speed, by_ratio): (f64, f64, f64)| {
         load = (load * (0.2 * by_load).exp()).clamp(500.0, 60e3);
         speed = (speed + 0.03 * by_speed).clamp(-0.3, 0.3);
-        ratio = (ratio + 0.1 * by_ratio).clamp(-1.0, 1.0);
+        ratio = (ratio + 0.1 * by_ratio).clamp(-0.99, 0.99);
         let inputs = Inputs { applied_load: load, sliding_speed: speed, slide_to_roll_ratio: ratio, ..Inputs::NONE };
         joint.solve_steady(inputs).unwrap();
         println!("{load:.4e} N/m, {speed:.4} m/s, ratio {ratio:.3}: {} iterations", joint.outputs().newton_iterations);
