@@ -91,13 +91,15 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
     let parameters = bodies.parameters;
     let control = parameters.control;
     let fibres = [parameters.upper, parameters.lower].iter().any(|body| body.fibre_modulus > 0.0);
-    if control == Control::Load && fibres && inputs.applied_load > FIRST_LOAD {
-        let first = from_rest(bodies, &Inputs { applied_load: FIRST_LOAD, ..*inputs }, iterations)?;
-        return follow(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
+    let mut first = *inputs;
+    if control == Control::Load && fibres {
+        first.applied_load = inputs.applied_load.min(FIRST_LOAD);
     }
     let speed = inputs.sliding_speed;
-    if grid::moves(&parameters) && speed != 0.0 && speed.abs() < FIRST_SPEED {
-        let first = Inputs { sliding_speed: FIRST_SPEED.copysign(speed), ..*inputs };
+    if grid::moves(&parameters) && speed != 0.0 {
+        first.sliding_speed = speed.abs().max(FIRST_SPEED).copysign(speed);
+    }
+    if first != *inputs {
         let first = from_rest(bodies, &first, iterations)?;
         return follow(bodies, &first, Target { inputs: *inputs, thickening: 1.0 }, control, iterations);
     }

@@ -331,6 +331,59 @@ mod tests {
         }
     }
 
+    /// With a tangent that was formed before, and what its first update left.
+    struct Kept<F: Fn(f64) -> (f64, f64)>(Scalar<F>, Option<f64>);
+
+    impl<F: Fn(f64) -> (f64, f64)> Problem for Kept<F> {
+        fn has_discrete_state(&self) -> bool {
+            false
+        }
+        fn residual(&mut self, z: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
+            self.0.residual(z, residual)
+        }
+        fn factorise(&mut self, z: &[f64]) -> Result<(), String> {
+            self.0.factorise(z)
+        }
+        fn solve(&mut self, rhs: &mut [f64]) -> Result<(), String> {
+            self.0.solve(rhs)
+        }
+        fn relative_size(&self, z: &[f64], update: &[f64]) -> f64 {
+            self.0.relative_size(z, update)
+        }
+        fn reusable_tangent(&mut self) -> Option<PredictorEstimate> {
+            Some(PredictorEstimate { remainder: self.1, ..PredictorEstimate::default() })
+        }
+    }
+
+    #[test]
+    fn one_update_is_enough_where_the_tangent_is_known_to_leave_little() {
+        // Formed at 1.5, some 6 % off at the solution.
+        let run = |start: f64, remainder: Option<f64>, tolerance: f64| {
+            let scalar = Scalar { function: |z| (z * z - 2.0, 2.0 * z), slope: 3.0, sizes: vec![], factorised: 0 };
+            let (mut problem, mut z) = (Kept(scalar, remainder), [start]);
+            let settings = Settings {
+                tolerance,
+                maximum_iterations: 20,
+                patience: 8.0,
+                most_large: 20,
+                deadline: Deadline::default(),
+            };
+            let solution = solve(&mut problem, &mut z, &mut Vec::new(), &settings).unwrap();
+            assert_eq!(problem.0.factorised, 0);
+            assert!((z[0] / 2.0_f64.sqrt() - 1.0).abs() < tolerance);
+            (solution.iterations, solution.remainder)
+        };
+        let (iterations, remainder) = run(1.42, None, 1e-3);
+        let remainder = remainder.unwrap();
+        assert_eq!(iterations, 2);
+        assert!((remainder - 0.06).abs() < 0.01, "{remainder}");
+        // What was not measured is known less well each time, until it is measured again.
+        let (iterations, forgotten) = run(1.42, Some(remainder), 1e-3);
+        assert_eq!((iterations, forgotten), (1, Some(remainder.powf(FORGETTING))));
+        assert_eq!(run(1.42, Some(0.5), 1e-3).0, 2);
+        assert_eq!(run(1.42, Some(remainder), 1e-5).0, 3);
+    }
+
     #[test]
     fn shortens_an_update_that_leaves_the_domain() {
         let (result, z, _) = run(|z| (z.sqrt() - 1.0, 0.5 / z.sqrt()), 9.0, 0.0);
