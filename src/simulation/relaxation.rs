@@ -17,7 +17,7 @@ const LONGEST_STEP: f64 = 1e6;
 /// How much of the way is gone in the first of them, and by how much that grows at most.
 const PORTION: (f64, f64) = (0.1, 1.5);
 /// Up to this change of its logarithm a load may change at once.
-const FAR: f64 = 0.3;
+const FAR: f64 = 0.5;
 /// Only after steps this long is it worth trying whether time plays no part any more \[s\].
 const STEADY: f64 = 3e-4;
 

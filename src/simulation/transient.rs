@@ -304,10 +304,16 @@ pub(super) fn apart(bodies: &mut Bodies, motion: &Motion) -> Motion {
 fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Rates>) -> Result<f64, String> {
     let allowed = bodies.parameters.relative_tolerance;
     let system = bodies.system_of(&second.state);
-    let size = |error: StoredVolumes| {
+    let mut size = |error: StoredVolumes| {
         let mut update = vec![0.0; system.unknowns()];
         system.add_storage(&second.state, &error, &mut update);
-        system.solve(&mut update).map_err(|singular| singular.to_string())?;
+        let given = update.clone();
+        if system.solve(&mut update).is_err() {
+            // The tangent may be of another mesh, on which no solution can be refined.
+            update = given;
+            let formed = system.form(&second.state);
+            formed.and_then(|()| system.solve(&mut update)).map_err(|singular| singular.to_string())?;
+        }
         Ok::<_, String>((system.mean_relative_size(&second.state.unknowns, &update) / allowed).max(1e-9))
     };
     // Against the method of first order that goes on with the rates of the first stage; the error in what is stored is this

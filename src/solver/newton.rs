@@ -186,7 +186,14 @@ pub fn solve(
             remainder = None;
         }
         update.copy_from_slice(residual);
-        problem.solve(&mut update).map_err(fail)?;
+        match problem.solve(&mut update) {
+            // A tangent of the present is another matter.
+            Err(_) if !stale => {
+                stale = true;
+                continue;
+            }
+            solved => solved.map_err(fail)?,
+        }
         if let Some(first) = first.filter(|_| !stale) {
             let contraction = problem.relative_size(unknowns, &update) / first;
             remainder = Some(contraction / (1.0 - contraction.min(0.9)));
