@@ -192,9 +192,12 @@ fn film_error(solved: &Solved<'_>) -> f64 {
 }
 
 /// What it leaves open of the film's rolling friction, int h/2 dp, over all friction. The upstream weight of a thin film between rough surfaces moves
-/// its thickness besides, by up to half of what it changes over a column.
+/// its thickness besides, by up to half of what it changes over a column. Surfaces at rest have no rolling friction.
 fn friction_error(solved: &Solved<'_>, fluid_pressure: &[f64], outputs: &Outputs) -> f64 {
     let system = solved.system;
+    if solved.state.inputs.surface_speeds() == [0.0; 2] {
+        return 0.0;
+    }
     let gap = |i: usize| solved.state.gap(system, 2 * i);
     let fall = |i: usize| (fluid_pressure[i + 1] - fluid_pressure[i]).abs();
     let by_shape: f64 = kinks_and_bends(solved)

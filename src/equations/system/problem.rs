@@ -146,7 +146,7 @@ impl newton::Problem for Posed<'_> {
         let rate = |state: &State| state.rates.as_ref().map(|rates| rates.rate);
         let fits = linearization.mirrored == self.state.mirrored
             && linearization.active == self.state.active
-            && rate(&linearization) == rate(&self.state);
+            && rate(linearization) == rate(&self.state);
         (fits && self.system.form(linearization).is_ok()).then_some(estimate)
     }
 
