@@ -24,7 +24,7 @@ const LARGE_ERROR: f64 = 0.02;
 const LARGE_FILM_ERROR: f64 = 0.03;
 /// Pressure at an end of the sector over the largest one that is worth one.
 const LARGE_END: f64 = 0.03;
-/// And of the friction: in random cases all whose friction was 4 % off and more by the film's shape are above it, all others far below.
+/// And of the friction: of 48 random cases six were 4 % off and more, and five of these are above it; all others are below 0.01.
 const LARGE_FRICTION_ERROR: f64 = 0.03;
 /// Friction below this fraction of the load is none.
 const LEAST_FRICTION: f64 = 1e-5;
