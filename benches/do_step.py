@@ -24,6 +24,7 @@ from fmpy.fmi2 import FMU2Slave
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "examples"))
 import gait  # noqa: E402: its cycle of walking
+from start import joint_case  # noqa: E402
 
 OUTPUTS = ["load", "upper_friction_force", "minimum_film_thickness", "penetration_depth_result", "newton_iterations"]
 
@@ -105,16 +106,7 @@ def body_weight(steps):
     return [at(i) for i in range(steps + 1)], 1e-3
 
 
-# Those of examples/hip.toml.
-HIP = {
-    "preset": 4,
-    "viscosity": 0.01,
-    "pore_viscosity": 1e-3,
-    "upper.thickness": 1.7e-3,
-    "lower.thickness": 1.7e-3,
-    "upper.outer_radius": 0.024,
-    "lower.outer_radius": -0.0255,
-}
+HIP = joint_case("hip") | {"preset": 4}
 QUASI_STEADY, TRANSIENT, DEPTH, LOAD = {"time_integration": 1}, {"time_integration": 2}, {"control": 1}, {"control": 2}
 RUNS = {
     "1 kHz, film, quasi-steady": (stream(0.0), QUASI_STEADY | DEPTH),
