@@ -272,11 +272,12 @@ class Setting:
 
 
 def run(setting: Setting, contact, master, size: float, duration: float, speed=swing, push: float = 0.0, hear=None):
-    """Rows of time, depth, normal force, moment about the axis, least film and fluid share; and the number of solutions.
+    """Rows of time, depth, normal force, moment about the axis, least film and fluid share; the number of solutions; and why it ended
+    early, where it did: a master failed, or the bones left the contact.
 
-    Stops where a master fails. `push`: a speed towards the other bone at the start [m/s], in place of the heel strike.
+    `push`: a speed towards the other bone at the start [m/s], in place of the heel strike.
     """
-    joint, rows, solutions = setting.joint(speed), [], 0
+    joint, rows, solutions, ended = setting.joint(speed), [], 0, ""
 
     def note(time, forces):
         moment = forces[2] + forces[1] * (joint.radius - joint.depth() / 2)
@@ -291,13 +292,15 @@ def run(setting: Setting, contact, master, size: float, duration: float, speed=s
                 forces, count = master(joint, contact, size, forces, strikes=push == 0)
                 solutions += count
                 note((index + 1) * size, forces)
-                if not abs(rows[-1][1] - rows[0][1]) < 3e-4:
+                # Twice as deep as at the start, or apart.
+                if not abs(rows[-1][1] - rows[0][1]) < rows[0][1]:
+                    ended = f"{1e6 * rows[-1][1]:.0f} microns deep"
                     break
                 if hear:
                     hear(index + 1, round(duration / size))
-        except (FMICallException, RuntimeError):
-            pass
-    return np.array(rows), solutions
+        except (FMICallException, RuntimeError) as error:
+            ended = str(error)
+    return np.array(rows), solutions, ended
 
 
 def is_stable(setting: Setting, contact, master, size: float) -> bool:
@@ -305,10 +308,10 @@ def is_stable(setting: Setting, contact, master, size: float) -> bool:
     period = 2 * math.pi * math.sqrt(setting.load / 9.81 / setting.stiffness)
     # A third holds a whole vibration, of a few large steps or of many small ones.
     third = max(12, math.ceil(period / size))
-    rows, _ = run(setting, contact, master, size, 3 * third * size, lambda _: swing(0), 2e-3)
+    rows, _, ended = run(setting, contact, master, size, 3 * third * size, lambda _: swing(0), 2e-3)
     # Beside the slow creep of the tissue: second differences.
     shake = abs(np.diff(rows[:, 2], 2))
-    return len(rows) == 3 * third + 1 and shake[-third:].max() < shake[:third].max()
+    return not ended and shake[-third:].max() < shake[:third].max()
 
 
 def main(
@@ -346,21 +349,23 @@ def main(
     print("{:25.3g}   {:12.2f}   {:34.2f}   {:8.2f}   {:17.2f}".format(stiffness, *steps))
     print(f"tried: {', '.join(f'{1e3 * size:g}' for size in explicit_sizes)} ms explicitly, "
           f"{', '.join(f'{1e3 * size:g}' for size in implicit_sizes)} ms implicitly")  # fmt: skip
-    for name, (rows, solutions) in runs.items():
+    for name, (rows, solutions, ended) in runs.items():
         moment = 1e3 * abs(rows[:, 3]).max()
+        if ended:
+            print(f"{name}: ended at {rows[-1, 0]:g} s: {ended}")
         print(f"{name}: {len(rows) - 1} steps, {solutions} solutions, largest force {rows[:, 2].max():.0f} N, deepest "
-              f"{1e6 * rows[:, 1].max():.0f} microns, vibration after the strike {shake_after(rows):.1f} N, "
+              f"{1e6 * rows[:, 1].max():.0f} microns, {shake_after(rows)}"
               f"largest moment of friction {moment:.1f} N mm")  # fmt: skip
     if picture:
         draw(picture, runs, f"{joint.capitalize()}, {load:g} N, and a heel strike", {"explicit": small, "implicit": large})
     return {"stable": stable, "runs": runs, "stiffness": stiffness}
 
 
-def shake_after(rows) -> float:
-    """Half the range of the normal force in the second 40 ms after the heel strike."""
+def shake_after(rows) -> str:
+    """Half the range of the normal force from 40 ms after the heel strike on, for as long as the motion lasts, 40 ms at most."""
     end = STRIKE[0] + STRIKE[1]
     after = rows[(rows[:, 0] >= end + 0.04) & (rows[:, 0] <= end + 0.08), 2]
-    return float(np.ptp(after)) / 2 if len(after) else math.nan
+    return f"vibration after the strike {np.ptp(after) / 2:.1f} N, " if len(after) > 1 else ""
 
 
 def draw(picture, runs, title, sizes):
@@ -375,7 +380,7 @@ def draw(picture, runs, title, sizes):
         "penalty, explicit": dict(color="#D55E00", linewidth=1),
     }
     figure, axes = plt.subplots(4, 1, figsize=(7.5, 9), sharex=True, layout="constrained")
-    for name, (rows, _) in runs.items():
+    for name, (rows, *_) in runs.items():
         contact, master = name.split(", ")
         label = name if contact == "penalty" else f"{name}, {1e3 * sizes[master]:g} ms"
         columns = (1e6 * rows[:, 1], rows[:, 2], 1e3 * rows[:, 3], rows[:, 5])

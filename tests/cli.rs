@@ -387,9 +387,10 @@ fn gait_repeats_and_keeps_its_film_where_sliding_turns() {
     };
     let number = |row: &csv::StringRecord, name: &str| row[place(name)].parse::<f64>().unwrap();
     let [first, second, steady] = [of("transient", "1"), of("transient", "2"), of("quasi_steady", "1")];
-    assert_eq!([first.len(), second.len(), steady.len()], [41, 41, 41]);
+    // The state that the first cycle starts from moves at another speed.
+    assert_eq!([first.len(), second.len(), steady.len()], [40, 41, 41]);
     assert_eq!(number(second[40], "time"), 2.0);
-    assert_eq!(number(first[40], "penetration_depth_result"), number(second[0], "penetration_depth_result"));
+    assert_eq!(number(first[39], "penetration_depth_result"), number(second[0], "penetration_depth_result"));
     for row in &rows {
         let (given, carried) = (number(row, "applied_load"), number(row, "load"));
         assert!((carried / given - 1.0).abs() < 1e-5, "{carried} of {given}");

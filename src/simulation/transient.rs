@@ -47,7 +47,10 @@ impl Motion {
             && contact.is_finite()
             && contact >= 0.0
             && system.admits(&self.course.start)
-            && self.reusable.as_ref().is_none_or(|reusable| system.admits(&reusable.linearization))
+            && [&self.reusable, &self.course.reusable]
+                .into_iter()
+                .flatten()
+                .all(|reusable| system.admits(&reusable.linearization))
     }
 }
 
@@ -67,6 +70,8 @@ pub(super) struct Course {
     /// What contact the mesh is made for at its end \[m\].
     contact_half_width: f64,
     trend: Trend,
+    /// The tangent that it began with.
+    reusable: Option<Reusable>,
     /// Lengths of its internal steps \[s\].
     pub steps: Vec<f64>,
 }
@@ -115,16 +120,10 @@ struct TimeStepper<'a> {
 }
 
 impl<'a> TimeStepper<'a> {
-    fn new(
-        bodies: &'a mut Bodies,
-        drive: &'a Drive,
-        course: &'a Course,
-        duration: f64,
-        reusable: Option<Reusable>,
-    ) -> Self {
+    fn new(bodies: &'a mut Bodies, drive: &'a Drive, course: &'a Course, duration: f64) -> Self {
         let state = course.start.clone();
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
-        let (trend, film_trend) = (course.trend.clone(), Vec::new());
+        let (trend, film_trend, reusable) = (course.trend.clone(), Vec::new(), course.reusable.clone());
         Self { bodies, drive, course, duration, state, stored_volumes, trend, film_trend, reusable, iterations: 0 }
     }
 
@@ -139,10 +138,22 @@ impl<'a> TimeStepper<'a> {
         let end = time + formula.time;
         let first = self.stage(None, end, formula)?;
         visit(self.bodies, &first, end)?;
+        self.keep_tangent(first.state.mirrored);
         let end = time + last.time;
         let second = self.stage(Some(&first), end, last)?;
         visit(self.bodies, &second, end)?;
+        self.keep_tangent(second.state.mirrored);
         Ok([first, second])
+    }
+
+    /// Takes note of the last tangent, for the next stage.
+    fn keep_tangent(&mut self, mirrored: bool) {
+        let remainder = self.bodies.system(mirrored).remainder();
+        let linearization = self.bodies.linearization(mirrored);
+        match &mut self.reusable {
+            Some(reusable) if Some(&reusable.linearization) == linearization => reusable.remainder = remainder,
+            slot => *slot = linearization.cloned().map(|linearization| Reusable { linearization, remainder }),
+        }
     }
 
     fn stage(&mut self, first: Option<&Stage>, time: f64, formula: runge_kutta::Stage) -> Result<Stage, String> {
@@ -180,12 +191,6 @@ impl<'a> TimeStepper<'a> {
         let (result, iterations) = bodies.settle(guess.guess_for(inputs, parameters.control), &task);
         self.iterations += iterations;
         let state = result?;
-        let remainder = bodies.system(state.mirrored).remainder();
-        let linearization = bodies.linearization(state.mirrored);
-        match &mut self.reusable {
-            Some(reusable) if Some(&reusable.linearization) == linearization => reusable.remainder = remainder,
-            slot => *slot = linearization.cloned().map(|linearization| Reusable { linearization, remainder }),
-        }
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
         let rate = rates.of(&stored_volumes);
         Ok(Stage { formula, state, rate, stored_volumes, carried })
@@ -255,6 +260,7 @@ pub(super) fn advance(
         start: from.clone(),
         contact_half_width,
         trend: motion.map(|motion| motion.trend.clone()).unwrap_or_default(),
+        reusable: motion.and_then(|motion| motion.reusable.clone()),
         steps: Vec::new(),
     };
     let suggestion = motion.map_or(duration, |motion| motion.suggestion);
@@ -265,8 +271,7 @@ pub(super) fn advance(
             course = separate(bodies, course);
         }
         let longest = bodies.parameters.maximum_internal_step;
-        let reusable = motion.and_then(|motion| motion.reusable.clone());
-        let mut stepper = TimeStepper::new(bodies, drive, &course, duration, reusable);
+        let mut stepper = TimeStepper::new(bodies, drive, &course, duration);
         let result = time_stepping::advance(&mut stepper, duration, suggestion, longest);
         let TimeStepper { state, trend, film_trend, reusable, iterations, .. } = stepper;
         spent += iterations;
@@ -292,7 +297,7 @@ pub(super) fn advance(
 
 /// From a mirrored pair to two bodies.
 fn separate(bodies: &mut Bodies, course: Course) -> Course {
-    Course { start: bodies.converted(course.start, false), trend: Trend::default(), ..course }
+    Course { start: bodies.converted(course.start, false), trend: Trend::default(), reusable: None, ..course }
 }
 
 /// The same motion in the unknowns of two bodies.
@@ -328,7 +333,8 @@ fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Rat
     Ok(by_first_order.max(size(error)?.powf(-1.0 / 3.0)))
 }
 
-/// Takes the course of a communication step again; `visit` is told of each stage with its time.
+/// Takes the course of a communication step again; `visit` is told of each stage with its time. The tangents that it forms are
+/// those of the stages after: one nearer than those of the step, from which the stage is reached the more surely.
 pub(super) fn replay(
     bodies: &mut Bodies,
     course: &Course,
@@ -338,7 +344,7 @@ pub(super) fn replay(
 ) -> Result<(), String> {
     // Long after the step, perhaps.
     bodies.deadline = Deadline::after(bodies.parameters.maximum_solve_time);
-    let mut stepper = TimeStepper::new(bodies, drive, course, duration, None);
+    let mut stepper = TimeStepper::new(bodies, drive, course, duration);
     let mut time = 0.0;
     for step in &course.steps {
         let stages = stepper.stages(time, *step, &mut visit)?;

@@ -14,6 +14,7 @@ use super::panel::{self, Axis, Line, Panel, Scale, range_of};
 const SIZE: (u32, u32) = (1600, 1510);
 
 /// One communication point.
+#[derive(Clone)]
 pub struct State {
     /// From the start of the first cycle \[s\].
     pub time: f64,

@@ -196,13 +196,15 @@ fn transient(
     let mut found = Transient { cycles: Vec::new(), change: None };
     for count in 0..arguments.cycles as usize {
         bar.set_message(format!("cycle {}", count + 1));
-        let mut states = vec![state(&simulation, cycle, 0, count, None)];
+        let start = state(&simulation, cycle, 0, count, None);
+        // The first start is at another speed: not of the cycle.
+        let mut states = if count == 0 { Vec::new() } else { vec![start.clone()] };
         for step in 1..cycle.time.len() {
             let [from, to] = [step - 1, step].map(|step| inputs(given, cycle, step));
             let duration = cycle.time[step] - cycle.time[step - 1];
             let rates = Inputs { penetration_depth: 0.0, ..to.combined(&from, |to, from| (to - from) / duration) };
             simulation.advance(Drive { inputs: from, rates }, duration)?;
-            states.push(state(&simulation, cycle, step, count, states.last()));
+            states.push(state(&simulation, cycle, step, count, states.last().or(Some(&start))));
             bar.inc(1);
         }
         found.change = found.cycles.last().map(|before| change(before, &states));
@@ -224,7 +226,13 @@ fn change(before: &[State], after: &[State]) -> f64 {
     ];
     let relative = |(get, size): (Get, Get)| {
         let size = after.iter().map(|state| size(&state.outputs).abs()).fold(f64::MIN_POSITIVE, f64::max);
-        before.iter().zip(after).map(|(a, b)| (get(&a.outputs) - get(&b.outputs)).abs() / size).fold(0.0, f64::max)
+        // From the ends, since the first cycle has no start.
+        before
+            .iter()
+            .rev()
+            .zip(after.iter().rev())
+            .map(|(a, b)| (get(&a.outputs) - get(&b.outputs)).abs() / size)
+            .fold(0.0, f64::max)
     };
     judged.into_iter().map(relative).fold(0.0, f64::max)
 }
@@ -367,15 +375,19 @@ fn resolution(states: &[State]) -> String {
         values.sort_by(f64::total_cmp);
         values
     };
-    let [load, film] = [sorted(|o| o.estimated_load_error), sorted(|o| o.estimated_film_error)];
+    let load = sorted(|o| o.estimated_load_error);
+    let [film, friction] = [sorted(|o| o.estimated_film_error), sorted(|o| o.estimated_friction_error)];
     let percent = |value: Option<&f64>| format!("{} %", format::number(100.0 * value.copied().unwrap_or_default(), 2));
     let warned = states.iter().filter(|state| !state.outputs.well_resolved).count();
     format!(
-        "Errors by the mesh, estimated: load {} at most, thinnest film {} in the median and {} at most. {warned} of {} instants carry a \
-         warning; estimated_load_error and estimated_film_error in gait.csv say where.\n",
+        "Errors by the mesh, estimated: load {} at most, thinnest film {} in the median and {} at most, friction {} in the median and {} at \
+         most. {warned} of {} instants carry a warning; estimated_load_error, estimated_film_error and estimated_friction_error in gait.csv \
+         say where.\n",
         percent(load.last()),
         percent(film.get(film.len() / 2)),
         percent(film.last()),
+        percent(friction.get(friction.len() / 2)),
+        percent(friction.last()),
         states.len()
     )
 }
