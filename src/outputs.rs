@@ -111,6 +111,16 @@ pub fn profile_stations(half_width: f64) -> Vec<f64> {
     (0..STATIONS).map(|i| half_width * graded(2.0 * i as f64 / last - 1.0, STATION_GRADING)).collect()
 }
 
+/// Power that it takes to turn a bone about the centre of its undeformed surface, over the speed of that surface, against this force and moment
+/// on the upper body and the opposite on the lower one.
+fn resistance(parameters: &Parameters, body: usize, depth: Dual64, force: Dual64, moment: Dual64) -> Dual64 {
+    let (curvature, side) = match body {
+        0 => (parameters.upper.curvature(), -1.0),
+        _ => (parameters.lower.curvature(), 1.0),
+    };
+    force * side * (-depth * (0.5 * curvature) + 1.0) - moment * curvature
+}
+
 impl Solved<'_> {
     /// Results, and what mesh and sector do not resolve.
     pub fn outputs(&self) -> (Outputs, Vec<String>) {
@@ -217,16 +227,18 @@ impl Solved<'_> {
         let fluid_friction = [rolling + sliding, -rolling + sliding];
 
         let tissue = self.tissue_results(change, speeds);
-        let tangential_load = resultant.on_slopes + beyond - sliding_along_x - resultant.rubbing_along_x * rubs;
-        let load_moment = resultant.moment + sliding_lever + resultant.rubbing_lever * rubs;
-        // Each bone turns about the centre of its undeformed surface, so that this one has the surface's speed.
-        let rotation_power = [(p.upper.curvature(), speeds[0], -1.0), (p.lower.curvature(), speeds[1], 1.0)]
-            .into_iter()
-            .map(|(curvature, speed, sign)| {
-                let turning = load_moment * -curvature;
-                speed * (turning + tangential_load * sign * (-depth * (0.5 * curvature) + 1.0))
-            })
-            .sum::<Dual64>();
+        let sideways =
+            |rubbing_along_x: Dual64| resultant.on_slopes + beyond - sliding_along_x - rubbing_along_x * rubs;
+        let moment = |moment: Dual64, rubbing_lever: Dual64| moment + sliding_lever + rubbing_lever * rubs;
+        let tangential_load = sideways(resultant.mean(|on| on.rubbing_along_x));
+        let load_moment = moment(resultant.mean(|on| on.moment), resultant.mean(|on| on.rubbing_lever));
+        // Each bone works against what its own tissue feels.
+        let bones =
+            resultant.bodies.iter().map(|on| (sideways(on.rubbing_along_x), moment(on.moment, on.rubbing_lever)));
+        let resistances =
+            [0, 1].into_iter().zip(bones).map(|(body, (force, moment))| resistance(p, body, depth, force, moment));
+        let rotation_power = resistances.zip(speeds).map(|(resistance, speed)| resistance * speed).sum::<Dual64>();
+        let rubbed = |body: usize| resultant.bodies[body].rubbing_stretch * speeds[body];
 
         let (least, position) = extremum(&gap, &system.stations, -1.0);
         let (least, position) = match self.state.active.iter().position(|a| *a) {
@@ -270,7 +282,7 @@ impl Solved<'_> {
             rotation_power: rotation_power * p.width,
             film_dissipation: (poiseuille + sliding * difference) * p.width,
             pore_flow_dissipation: tissue.pores * p.width,
-            boundary_friction_dissipation: boundary * difference * p.width,
+            boundary_friction_dissipation: rubs * (rubbed(0) - rubbed(1)) * p.width,
             carried_power: (tissue.carried + system.film_end_power(self.state, change) - beyond * difference) * p.width,
             stored_elastic_energy: tissue.stored * p.width,
             minimum_film_thickness: least,

@@ -207,10 +207,11 @@ impl Contact {
             let drag = self.friction * rubbing;
             if let Some(residual) = &mut terms.residual {
                 residual[a] += push * side * y + drag * x;
-                residual[NODES + a] -= push * side * x;
+                residual[NODES + a] += drag * y - push * side * x;
             }
             if let Some(by_friction) = &mut terms.by_friction {
                 by_friction[a] += rubbing * x;
+                by_friction[NODES + a] += rubbing * y;
             }
             if let Some((tangent, by_gap)) = &mut terms.tangent {
                 for b in 0..3 {
@@ -218,13 +219,15 @@ impl Contact {
                     tangent[(NODES + b) * LOCAL + a] += turn;
                     tangent[b * LOCAL + NODES + a] -= turn;
                     tangent[b * LOCAL + a] += drag * slope[b];
-                    tangent[(2 * NODES + b) * LOCAL + a] +=
-                        self.friction * side * weight * self.solid_fraction * real * shape[b] * x;
+                    tangent[(NODES + b) * LOCAL + NODES + a] += drag * slope[b];
+                    let drag_by_fluid = self.friction * side * weight * self.solid_fraction * real * shape[b];
+                    tangent[(2 * NODES + b) * LOCAL + a] += drag_by_fluid * x;
+                    tangent[(2 * NODES + b) * LOCAL + NODES + a] += drag_by_fluid * y;
                 }
                 let drag_slope =
                     self.friction * side * weight * (solid_slope + self.solid_fraction * real_slope * fluid);
                 by_gap[a][a] += push_slope * side * y + drag_slope * x;
-                by_gap[a][NODES + a] -= push_slope * side * x;
+                by_gap[a][NODES + a] += drag_slope * y - push_slope * side * x;
             }
         }
     }

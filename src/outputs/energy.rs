@@ -11,8 +11,8 @@
 //!           and what the film beyond it takes from sliding bodies of different curvature
 //! ```
 //!
-//! up to the size of the elements, and to the strain along the surface, by which the film's equation (in the undeformed x) and the load
-//! (over the deformed one) differ. The paper's formulation balances another stress on the surface than in the tissue: there the terms
+//! up to the size of the elements. Boundary friction is int t (v1 - v2) with the speeds of the stretched tissue, and each bone works against the
+//! reaction of its own. The paper's formulation balances another stress on the surface than in the tissue: there the terms
 //! do not add up.
 
 use num_dual::{Dual64, DualNum};

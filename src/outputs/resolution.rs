@@ -1,6 +1,8 @@
 //! Whether mesh and sector are good enough for a solution, by signs that cost nothing.
 
-use super::Outputs;
+use num_dual::Dual64;
+
+use super::{Outputs, resistance};
 use crate::equations::grid;
 use crate::equations::system::{Change, Solved};
 use crate::parameters::Formulation;
@@ -26,6 +28,8 @@ const LARGE_FILM_ERROR: f64 = 0.03;
 const LARGE_END: f64 = 0.03;
 /// And of the friction: of 48 random cases six were 4 % off and more, and five of these are above it; all others are below 0.01.
 const LARGE_FRICTION_ERROR: f64 = 0.03;
+/// Difference of the power of the forces on the bones and of what their tissue feels over what friction takes, that is worth one.
+const LARGE_POWER_ERROR: f64 = 0.1;
 /// Friction below this fraction of the load is none.
 const LEAST_FRICTION: f64 = 1e-5;
 /// A film thinner than this is none \[m\].
@@ -145,6 +149,19 @@ impl Solved<'_> {
                 "the film changes so much from column to column where the pressure falls that its rolling friction may be off by {:.0} % of all \
                  friction{least}; load, sliding and boundary friction are not concerned: more mesh.columns",
                 100.0 * friction_error
+            ));
+        }
+        let lost = outputs.film_dissipation + outputs.boundary_friction_dissipation;
+        let [depth, force, moment] =
+            [outputs.penetration_depth, outputs.upper_force_x, outputs.upper_moment].map(Dual64::from);
+        let bones = [0, 1].map(|body| resistance(p, body, depth, force, moment).re);
+        let passed_on = bones[0] * inputs.surface_speeds()[0] + bones[1] * inputs.surface_speeds()[1];
+        let power_error = (passed_on - outputs.rotation_power).abs() / lost;
+        if consistent && power_error > LARGE_POWER_ERROR {
+            warnings.push(format!(
+                "points that face each other move along the surfaces, each with its own body, which the contact leaves out: forces along x and \
+                 moments on the bones may be off by some {:.0} % of friction; load, depth and friction coefficient are not concerned",
+                100.0 * power_error
             ));
         }
         if grid::moves(p) {

@@ -1,6 +1,6 @@
 //! What the surfaces carry, and how it changes.
 
-use num_dual::Dual64;
+use num_dual::{Dual64, DualNum};
 
 use super::{Change, State, System};
 use crate::equations::grid;
@@ -44,12 +44,16 @@ impl System {
         change.unknowns[self.layout.gap[station] as usize]
     }
 
-    /// What the surfaces carry, with its change: vertical forces, of the consistent formulation and of rough surfaces over the deformed
+    /// What the surfaces carry, with its change: vertical forces of pressure and of what rubs on slopes, of the consistent formulation and of rough surfaces over the deformed
     /// surfaces (the mean of both bodies), else over the undeformed ones.
     pub fn loads(&self, at: &State, change: &Change) -> Loads {
         let zero = Dual64::from(0.0);
         let mut loads = Loads { fluid: zero, solid: zero, in_real_contact: zero };
-        let law = self.contact_law();
+        let contact = self.contact(&at.inputs);
+        let law = contact.law;
+        let friction_change = contact.friction_change(change.inputs.surface_speeds(&at.inputs));
+        let friction = Dual64::new(contact.friction, friction_change);
+        let height = self.mean_height(at, change);
         let levels = self.layers[0].mesh.levels();
         let value = |number: u32| match number {
             FIXED => zero,
@@ -80,6 +84,11 @@ impl System {
                 let fluid = interpolated(s) * weight;
                 let real = chain(law.real_contact_fraction(gap.0), gap.1);
                 loads.solid += solid;
+                // Friction along sloping surfaces.
+                let rise: Dual64 = (0..3).map(|b| height[first + b] * quadratic_derivative(s)[b]).sum();
+                let rubbing =
+                    chain(law.pressure(gap.0), gap.1) + real * interpolated(s) * self.parameters.solid_fraction;
+                loads.solid -= friction * rubbing * rise * (2.0 * simpson);
                 loads.in_real_contact += real * (solid + fluid);
             }
         }
@@ -110,19 +119,35 @@ impl System {
     }
 }
 
+/// What pressure and friction on one of the surfaces pass on beside the load, per unit depth. Of the lower body: the opposite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnBody {
+    /// Moment of the pressures about the middle of the contact, counter-clockwise \[N\].
+    pub moment: Dual64,
+    /// What rubs along x \[N/m\].
+    pub rubbing_along_x: Dual64,
+    /// What rubs times the lever of a traction along the surface about the middle of the contact \[N\].
+    pub rubbing_lever: Dual64,
+    /// What rubs times the stretch of the tissue along the surface: by that the tissue is faster than the surface speed \[N/m\].
+    pub rubbing_stretch: Dual64,
+}
+
 /// What the pressures on the surfaces pass on beside the load, per unit depth; see [`System::resultant`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resultant {
     /// Force along +x on the upper body of the pressures on sloping surfaces \[N/m\].
     pub on_slopes: Dual64,
-    /// Moment of the pressures on the upper body about the middle of the contact, counter-clockwise \[N\].
-    pub moment: Dual64,
-    /// Integral of what rubs along the arc of the film: pressure of solids, and of the fluid in real contact as far as friction feels it \[N/m\].
+    /// Integral of what rubs along the surfaces: pressure of solids, and of the fluid in real contact as far as friction feels it \[N/m\].
     pub rubbing: Dual64,
-    /// Likewise along x \[N/m\].
-    pub rubbing_along_x: Dual64,
-    /// What rubs times the lever of a traction along the arc about the middle of the contact \[N\].
-    pub rubbing_lever: Dual64,
+    /// On the upper and on the lower body.
+    pub bodies: [OnBody; 2],
+}
+
+impl Resultant {
+    /// The mean of both bodies.
+    pub fn mean(&self, get: impl Fn(&OnBody) -> Dual64) -> Dual64 {
+        (get(&self.bodies[0]) + get(&self.bodies[1])) * 0.5
+    }
 }
 
 impl System {
@@ -151,12 +176,12 @@ impl System {
         self.stations[station] * sine / self.cosine[station]
     }
 
-    /// Force and moment of the pressures on the upper body: half the difference of what acts on the two bodies, so that the lower one
-    /// has the opposite. The surfaces are those of [`System::loads`].
+    /// Forces and moments of the pressures and of friction on each body, over the surfaces of [`System::loads`]. Points that face each
+    /// other before they deform are where both feel the same pressure: where friction shifts them apart, so do the moments.
     pub fn resultant(&self, at: &State, change: &Change) -> Resultant {
         let zero = Dual64::from(0.0);
-        let mut sum =
-            Resultant { on_slopes: zero, moment: zero, rubbing: zero, rubbing_along_x: zero, rubbing_lever: zero };
+        let none = OnBody { moment: zero, rubbing_along_x: zero, rubbing_lever: zero, rubbing_stretch: zero };
+        let mut sum = Resultant { on_slopes: zero, rubbing: zero, bodies: [none; 2] };
         let (law, levels) = (self.contact_law(), self.layers[0].mesh.levels());
         let height = self.mean_height(at, change);
         let value = |number: u32| match number {
@@ -188,40 +213,59 @@ impl System {
                     [at.map(|place| place[0]), at.map(|place| place[1])]
                 })
                 .collect();
+            let half = 0.5 * (self.stations[first + 2] - self.stations[first]);
             let dot = |f: [f64; 3], v: &[Dual64; 3]| v[0] * f[0] + v[1] * f[1] + v[2] * f[2];
-            let mut press = |s: f64, pressure: Dual64| {
+            let press = |sum: &mut Resultant, s: f64, pressure: Dual64| {
                 let slope = quadratic_derivative(s);
                 sum.on_slopes -= pressure * dot(slope, &heights);
-                for coordinate in bodies.iter().flatten() {
-                    sum.moment += pressure * dot(quadratic(s), coordinate) * dot(slope, coordinate) * weight;
+                for (sum, places) in sum.bodies.iter_mut().zip(&bodies) {
+                    for coordinate in places {
+                        sum.moment += pressure * dot(quadratic(s), coordinate) * dot(slope, coordinate);
+                    }
                 }
             };
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
-                press(s, dot(pressure(order, s), &fluid) * w);
+                press(&mut sum, s, dot(pressure(order, s), &fluid) * w);
             }
             for (a, simpson) in SIMPSON.into_iter().enumerate() {
                 let s = a as f64 - 1.0;
                 let gap = (at.gap(self, first + a), self.gap_change(change, first + a));
                 let solid = chain(law.pressure(gap.0), gap.1) * (2.0 * simpson);
-                press(s, solid);
+                press(&mut sum, s, solid);
                 let real = chain(law.real_contact_fraction(gap.0), gap.1);
                 let rubbing =
                     solid + real * dot(pressure(order, s), &fluid) * (2.0 * simpson * self.parameters.solid_fraction);
-                for [x, _] in &bodies {
-                    let along_x = rubbing * dot(quadratic_derivative(s), x) * weight;
-                    sum.rubbing += along_x / self.cosine[first + a];
-                    sum.rubbing_along_x += along_x;
-                    sum.rubbing_lever += along_x * (heights[a] - self.tangent_fall(first + a));
+                let slope = quadratic_derivative(s);
+                for (body, [x, y]) in bodies.iter().enumerate() {
+                    let (along_x, along_y) = (dot(slope, x), dot(slope, y));
+                    let length = along_x * along_x + along_y * along_y;
+                    sum.rubbing += rubbing * length.sqrt() * weight;
+                    let sum = &mut sum.bodies[body];
+                    sum.rubbing_along_x += rubbing * along_x;
+                    sum.rubbing_lever += rubbing * (y[a] * along_x - x[a] * along_y);
+                    sum.rubbing_stretch += rubbing * length * (self.surface_cosine(body, first + a) / half);
                 }
             }
         }
         for i in (0..self.stations.len()).filter(|i| at.active[*i]) {
             let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
-            let place = (0..self.layers.len()).map(|body| places(body, i)[0] * weight).sum::<Dual64>();
-            sum.moment += force * place;
             sum.rubbing += force / self.cosine[i];
-            sum.rubbing_along_x += force;
-            sum.rubbing_lever += force * (height[i] - self.tangent_fall(i));
+            let [before, after] = [i.saturating_sub(1), (i + 1).min(self.stations.len() - 1)];
+            for (body, sum) in sum.bodies.iter_mut().take(self.layers.len()).enumerate() {
+                let x = |i: usize| places(body, i)[0];
+                let stretch = (x(after) - x(before)) / (self.stations[after] - self.stations[before]);
+                sum.moment += force * x(i);
+                sum.rubbing_along_x += force;
+                sum.rubbing_lever += force * (height[i] - self.tangent_fall(i));
+                sum.rubbing_stretch += force * stretch * self.surface_cosine(body, i);
+            }
+        }
+        if self.layers.len() == 1 {
+            // A mirror image is as its original; a rigid counterface feels the same, and does not stretch.
+            sum.bodies[1] = sum.bodies[0];
+            if self.parameters.rigid_lower {
+                sum.bodies[1].rubbing_stretch = sum.rubbing;
+            }
         }
         sum
     }

@@ -320,6 +320,12 @@ impl System {
         self.part(&self.layers[body]) / self.cosine[station]
     }
 
+    /// Cosine of the angle of a body's undeformed surface at a station.
+    fn surface_cosine(&self, body: usize, station: usize) -> f64 {
+        let curvature = self::body(&self.parameters, self.layers[body].side).curvature();
+        (1.0 - (self.stations[station] * curvature).powi(2)).sqrt()
+    }
+
     /// Whether stations can be in one state or another: in contact or not, cavitated or not.
     pub fn has_discrete_state(&self) -> bool {
         self.film.cavitates || !self.contact_law().follows_from_gap()
@@ -534,11 +540,10 @@ impl System {
     /// Surface speeds of a body relative to the mesh at both edges of a column \[m/s\].
     pub fn relative_speeds(&self, body: usize, column: usize, inputs: &Inputs, rates: Option<&Rates>) -> [f64; 2] {
         let speed = inputs.surface_speeds()[body];
-        let curvature = self::body(&self.parameters, self.layers[body].side).curvature();
         let [left, right] = self.mesh_speeds(rates, column);
         // Along the arc.
-        let along = |x: f64, mesh: f64| speed - mesh / (1.0 - (x * curvature).powi(2)).sqrt();
-        [along(self.stations[2 * column], left), along(self.stations[2 * column + 2], right)]
+        let along = |station: usize, mesh: f64| speed - mesh / self.surface_cosine(body, station);
+        [along(2 * column, left), along(2 * column + 2, right)]
     }
 
     /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap and to the mean.
