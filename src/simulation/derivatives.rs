@@ -7,6 +7,7 @@ use crate::equations::layout::Quantity;
 use crate::equations::system::{self, Change, Direction, Rates, Solved, StoredVolumes};
 use crate::outputs::Outputs;
 use crate::parameters::Control;
+use crate::solver::runge_kutta::Linear;
 
 /// What is asked of a solution, and a change of the load where that is given.
 struct Perturbation {

@@ -8,7 +8,7 @@ use crate::equations::load::LARGEST_APPROACH;
 use crate::equations::system::System;
 use crate::parameters::{Control, Inputs};
 use crate::solver::linear::Singular;
-use crate::solver::predictor::proportion;
+use crate::solver::predictor::{PredictorError, proportion};
 
 /// Changes of what is given: depth or load, speed, slide-to-roll ratio, and the logarithm of the film's viscosity.
 pub(super) type Changes = [f64; 4];
@@ -38,7 +38,7 @@ impl State {
     }
 }
 
-/// Where a tangent was formed, and what it missed in the last step that was predicted with it.
+/// Where a tangent was formed, and by how much the last step that was predicted with it was off, unknowns and then the depth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ReusableTangent {
     pub linearization: State,
@@ -48,37 +48,8 @@ pub(super) struct ReusableTangent {
 impl ReusableTangent {
     /// Whether it is of these equations.
     pub fn fits(&self, system: &System) -> bool {
-        let fits = |values: &[f64]| values.len() == system.unknowns() + 1;
-        let errors = self.predictor_error.as_ref();
-        system.admits(&self.linearization) && errors.is_none_or(|error| fits(&error.now) && fits(&error.next))
-    }
-}
-
-/// The difference of a solution to its prediction, unknowns and then the depth. Along a smooth way it grows evenly from step to step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct PredictorError {
-    /// See [`changes`].
-    changes: Changes,
-    now: Vec<f64>,
-    /// What a step like this one is expected to miss.
-    next: Vec<f64>,
-}
-
-impl PredictorError {
-    /// What was missed by these changes, after what was missed before.
-    pub fn new(before: Option<&Self>, changes: Changes, solved: &State, predicted: &State) -> Self {
-        let [solved, predicted] = [solved, predicted].map(unknowns_and_depth);
-        let now: Vec<f64> = solved.into_iter().zip(predicted).map(|(z, p)| z - p).collect();
-        let next = match before.and_then(|before| Some((&before.now, before.ratio(changes)?))) {
-            Some((before, ratio)) => now.iter().zip(before).map(|(now, before)| 2.0 * now - ratio * before).collect(),
-            None => now.clone(),
-        };
-        Self { changes, now, next }
-    }
-
-    /// How many times as far these changes go in the same direction; none if in another.
-    fn ratio(&self, changes: Changes) -> Option<f64> {
-        proportion(changes, self.changes)
+        let error = self.predictor_error.as_ref();
+        system.admits(&self.linearization) && error.is_none_or(|error| error.fits(system.unknowns() + 1))
     }
 }
 
@@ -106,7 +77,7 @@ pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact
     guess.inputs.penetration_depth *= ratio;
     let before = from.before.as_ref().filter(|before| before.mirrored == now.mirrored).and_then(|before| {
         let way = changes(&before.target(), &now.target(), control);
-        let steps = proportion(changes(&now.target(), target, control), way)?;
+        let steps = proportion(&changes(&now.target(), target, control), &way)?;
         let growth = |from: f64, to: f64| (to / from).ln();
         let last = growth(before.contact_half_width, now.contact_half_width);
         let steps = if last == 0.0 { steps } else { growth(now.contact_half_width, contact) / last };
@@ -145,11 +116,8 @@ pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, contr
         PredictorEstimate { step: system.relative_size(&guess.unknowns, &update), ..PredictorEstimate::default() };
     system.apply(&mut guess.unknowns, &update, &guess.active);
     let by_tangent = guess.clone();
-    if let Some((error, steps)) = reusable
-        .and_then(|reusable| reusable.predictor_error.as_ref())
-        .and_then(|error| Some((error, error.ratio(changes)?)))
-    {
-        let mut correction: Vec<f64> = error.next.iter().map(|missed| -steps * missed).collect();
+    let error = reusable.and_then(|reusable| reusable.predictor_error.as_ref());
+    if let Some(mut correction) = error.and_then(|error| error.update(&changes)) {
         let approach = -correction.pop().unwrap_or_default();
         estimate.corrected = system.relative_size(&guess.unknowns, &correction);
         system.apply(&mut guess.unknowns, &correction, &guess.active);

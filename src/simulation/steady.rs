@@ -1,12 +1,13 @@
 //! The way to a steady state: steps of what is given, and where they fail, motion in time that comes to rest.
 
 use super::bodies::{Bodies, PredictorEstimate, State, Task};
-use super::predictor::{Prediction, PredictorError, ReusableTangent, Target, carry, predict};
+use super::predictor::{Prediction, ReusableTangent, Target, carry, predict, unknowns_and_depth};
 use super::relaxation::relax;
 use crate::equations::grid;
 use crate::equations::system::Solved;
 use crate::error::Error;
 use crate::parameters::{Control, Formulation, Inputs, Parameters};
+use crate::solver::predictor::PredictorError;
 use crate::solver::{continuation, newton};
 
 /// A steady state, and the tangent that led to it: near enough to predict states nearby and to solve for them.
@@ -248,7 +249,8 @@ fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -
         && reached.state.mirrored == by_tangent.mirrored
     {
         let before = from.reusable.as_ref().and_then(|reusable| reusable.predictor_error.as_ref());
-        new.predictor_error = Some(PredictorError::new(before, changes, &reached.state, &by_tangent));
+        let [solved, predicted] = [&reached.state, &by_tangent].map(unknowns_and_depth);
+        new.predictor_error = Some(PredictorError::new(before, &changes, &solved, &predicted));
     }
     // Boundary friction pulls the two bodies apart sideways; without it they are mirror images again.
     match (reached.state.mirrored, bodies.drags(&reached.state)) {

@@ -15,8 +15,8 @@ use crate::parameters::Control;
 use crate::solver::deadline::Deadline;
 use crate::solver::newton;
 use crate::solver::predictor::Trend;
-use crate::solver::runge_kutta::{self, ERROR_CONSTANT, GAMMA};
-use crate::solver::time_stepping::{self, Failure, LARGEST_GROWTH, Method, Stuck};
+use crate::solver::runge_kutta::{self, GAMMA, Linear};
+use crate::solver::time_stepping::{self, Failure, Method, Stuck};
 
 /// Most Newton iterations of a stage; where it takes more, a shorter step is the better way.
 const ITERATIONS: usize = 12;
@@ -309,9 +309,9 @@ pub(super) fn apart(bodies: &mut Bodies, motion: &Motion) -> Motion {
 fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Rates>) -> Result<f64, String> {
     let allowed = bodies.parameters.relative_tolerance;
     let system = bodies.system_of(&second.state);
-    let mut size = |error: StoredVolumes| {
+    runge_kutta::growth(before.map(|before| &before.history), [&first.rate, &second.rate], |error| {
         let mut update = vec![0.0; system.unknowns()];
-        system.add_storage(&second.state, &error, &mut update);
+        system.add_storage(&second.state, error, &mut update);
         let given = update.clone();
         if system.solve(&mut update).is_err() {
             // The tangent may be of another mesh, on which no solution can be refined.
@@ -319,18 +319,8 @@ fn growth(bodies: &mut Bodies, [first, second]: &[Stage; 2], before: Option<&Rat
             let formed = system.form(&second.state);
             formed.and_then(|()| system.solve(&mut update)).map_err(|singular| singular.to_string())?;
         }
-        Ok::<_, String>((system.mean_relative_size(&second.state.unknowns, &update) / allowed).max(1e-9))
-    };
-    // Against the method of first order that goes on with the rates of the first stage; the error in what is stored is this
-    // times gamma times the step, which the tangent divides by again.
-    let change = second.rate.combined(1.0, -1.0, &first.rate);
-    let by_first_order = size(change.clone())?.powf(-1.0 / 2.0);
-    // Where the motion is smooth the error of the method itself is less: its error constant times the third derivative, from
-    // divided differences of the rates at the start and at the two stages.
-    let Some(before) = before.filter(|_| by_first_order < LARGEST_GROWTH) else { return Ok(by_first_order) };
-    let earlier = first.rate.combined(1.0, -1.0, &before.history);
-    let error = change.combined(1.0 / (1.0 - GAMMA), -1.0 / GAMMA, &earlier).scaled(2.0 * ERROR_CONSTANT / GAMMA);
-    Ok(by_first_order.max(size(error)?.powf(-1.0 / 3.0)))
+        Ok(system.mean_relative_size(&second.state.unknowns, &update) / allowed)
+    })
 }
 
 /// Takes the course of a communication step again; `visit` is told of each stage with its time. The tangents that it forms are

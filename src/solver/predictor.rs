@@ -43,10 +43,43 @@ impl Trend {
     }
 }
 
+/// The difference of a solution to its prediction. Along a smooth path it grows evenly from step to step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PredictorError {
+    /// By how much what is given changed in the step.
+    changes: Vec<f64>,
+    now: Vec<f64>,
+    /// That expected of a step like this one.
+    next: Vec<f64>,
+}
+
+impl PredictorError {
+    /// Of a step with these changes of what is given, after the error of the step before.
+    pub fn new(before: Option<&Self>, changes: &[f64], solved: &[f64], predicted: &[f64]) -> Self {
+        let now: Vec<f64> = solved.iter().zip(predicted).map(|(z, p)| z - p).collect();
+        let next = match before.and_then(|before| Some((&before.now, proportion(changes, &before.changes)?))) {
+            Some((before, ratio)) => now.iter().zip(before).map(|(now, before)| 2.0 * now - ratio * before).collect(),
+            None => now.clone(),
+        };
+        Self { changes: changes.to_vec(), now, next }
+    }
+
+    /// Whether it is of so many numbers.
+    pub fn fits(&self, length: usize) -> bool {
+        self.now.len() == length && self.next.len() == length
+    }
+
+    /// That expected of a step with these changes, negative as an update of Newton's method; none where they go in another direction.
+    pub fn update(&self, changes: &[f64]) -> Option<Vec<f64>> {
+        let steps = proportion(changes, &self.changes)?;
+        Some(self.next.iter().map(|error| -steps * error).collect())
+    }
+}
+
 /// How many times as far as before changes go in the same direction; none if in another, or much further.
-pub fn proportion<const N: usize>(now: [f64; N], then: [f64; N]) -> Option<f64> {
+pub fn proportion(now: &[f64], then: &[f64]) -> Option<f64> {
     const ALIKE: f64 = 0.3;
-    let mut ratios = now.into_iter().zip(then).filter(|(now, then)| *now != 0.0 || *then != 0.0);
+    let mut ratios = now.iter().zip(then).filter(|(now, then)| **now != 0.0 || **then != 0.0);
     let ratio = ratios.next().map(|(now, then)| now / then)?;
     let alike = ratios.all(|(now, then)| (now / then - ratio).abs() <= ALIKE * ratio.abs());
     (alike && ratio.abs() < 3.0).then_some(ratio)
@@ -83,14 +116,28 @@ mod tests {
         assert!((trend.straight().update(0.5, 2.0)[0] + 2.0 * rate).abs() < 1e-12);
     }
 
+    /// y = x^3, predicted by its slope at the start of each step of 1: the errors are 1, 4, 7.
+    #[test]
+    fn an_error_that_grows_evenly_is_foretold_exactly() {
+        let error =
+            |before: Option<&PredictorError>, x: f64| PredictorError::new(before, &[1.0], &[3.0 * x + 1.0], &[0.0]);
+        let first = error(None, 0.0);
+        assert_eq!(first.update(&[1.0]), Some(vec![-1.0]));
+        let second = error(Some(&first), 1.0);
+        assert_eq!(second.update(&[1.0]), Some(vec![-7.0]));
+        assert_eq!(second.update(&[0.5]), Some(vec![-3.5]));
+        assert_eq!(second.update(&[10.0]), None);
+        assert!(second.fits(1) && !second.fits(2));
+    }
+
     #[test]
     fn changes_go_on_in_proportion_or_elsewhere() {
-        assert_eq!(proportion([2.0, 0.0, -4.0], [1.0, 0.0, -2.0]), Some(2.0));
-        assert_eq!(proportion([-1.0, 0.0], [2.0, 0.0]), Some(-0.5));
+        assert_eq!(proportion(&[2.0, 0.0, -4.0], &[1.0, 0.0, -2.0]), Some(2.0));
+        assert_eq!(proportion(&[-1.0, 0.0], &[2.0, 0.0]), Some(-0.5));
         // Another direction, much further, nowhere.
-        assert_eq!(proportion([1.0, 1.0], [1.0, 0.0]), None);
-        assert_eq!(proportion([1.0, 2.0], [1.0, 1.0]), None);
-        assert_eq!(proportion([4.0], [1.0]), None);
-        assert_eq!(proportion([0.0], [0.0]), None);
+        assert_eq!(proportion(&[1.0, 1.0], &[1.0, 0.0]), None);
+        assert_eq!(proportion(&[1.0, 2.0], &[1.0, 1.0]), None);
+        assert_eq!(proportion(&[4.0], &[1.0]), None);
+        assert_eq!(proportion(&[0.0], &[0.0]), None);
     }
 }

@@ -98,7 +98,7 @@ fn fraction_of(done: f64, most: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::runge_kutta::{GAMMA, stages};
+    use crate::solver::runge_kutta::{GAMMA, growth, stages};
 
     /// y' = -k (y - cos t) - sin t, whose solution is cos t + (y(0) - 1) exp(-k t).
     struct Decay {
@@ -132,8 +132,10 @@ mod tests {
                 y = (STIFFNESS * cos - sin - known) / (stage.present + STIFFNESS);
                 rates[i] = stage.present * y + known;
             }
-            let error = (rates[1] - rates[0]) * GAMMA * step / (1.0 + GAMMA * step * STIFFNESS);
-            Ok((y, (error.abs() / self.tolerance).max(1e-9).powf(-0.5)))
+            let size =
+                |error: &f64| Ok((error * GAMMA * step / (1.0 + GAMMA * step * STIFFNESS)).abs() / self.tolerance);
+            let growth = growth(None, [&rates[0], &rates[1]], size).map_err(Failure::Retry)?;
+            Ok((y, growth))
         }
 
         fn accept(&mut self, solved: f64, _: f64) {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::System;
 use crate::fem::element::POINTS;
 use crate::parameters::{Control, Inputs};
+use crate::solver::runge_kutta::Linear;
 
 /// A state: a solution, the guess of one, or where a tangent was formed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -78,9 +79,8 @@ pub struct StoredVolumes {
     pub stations: Vec<f64>,
 }
 
-impl StoredVolumes {
-    /// a * self + b * other, value by value.
-    pub fn combined(&self, a: f64, b: f64, other: &Self) -> Self {
+impl Linear for StoredVolumes {
+    fn combined(&self, a: f64, b: f64, other: &Self) -> Self {
         let mix = |x: f64, y: f64| a * x + b * y;
         Self {
             volume: self
@@ -92,11 +92,6 @@ impl StoredVolumes {
             film: self.film.iter().zip(&other.film).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect(),
             stations: self.stations.iter().zip(&other.stations).map(|(x, y)| mix(*x, *y)).collect(),
         }
-    }
-
-    /// a * self.
-    pub fn scaled(&self, a: f64) -> Self {
-        self.combined(a, 0.0, self)
     }
 }
 
