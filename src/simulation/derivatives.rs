@@ -61,7 +61,7 @@ pub(super) fn by_inputs(bodies: &mut Bodies, last: &Step) -> Result<Vec<Outputs>
         Perturbation { change: system::Perturbation { direction, history, ..system::Perturbation::default() }, load }
     };
     match &last.path {
-        Path::Steady(..) => {
+        Path::Steady(_) => {
             let perturbations = Input::ALL.iter().map(|input| perturbation(input, last.duration, None)).collect();
             let changes = changes(bodies, &last.state, perturbations)?;
             Ok(results(bodies, &last.state, &changes))
@@ -105,7 +105,7 @@ pub(super) fn by_inputs(bodies: &mut Bodies, last: &Step) -> Result<Vec<Outputs>
 pub(super) fn by_ratio(bodies: &mut Bodies, last: &Step) -> Result<Outputs, String> {
     let state = bodies.converted(last.state.clone(), false);
     let path = match &last.path {
-        Path::Steady(..) => Path::Steady(None, None),
+        Path::Steady(_) => Path::Steady(None),
         Path::Transient(motion) => Path::Transient(Box::new(transient::apart(bodies, motion))),
     };
     let apart = Step { state, path, ..last.clone() };

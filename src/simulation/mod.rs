@@ -63,8 +63,8 @@ struct Step {
 /// How a state was reached, for the next one and for derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Path {
-    /// The reusable tangent, and the state before on another mesh.
-    Steady(Option<Box<ReusableTangent>>, Option<Box<State>>),
+    /// The reusable tangent.
+    Steady(Option<Box<ReusableTangent>>),
     Transient(Box<Motion>),
 }
 
@@ -154,7 +154,7 @@ impl Simulation {
         }
         state.unknowns = self.bodies.system_of(&state).interpolated(&state.unknowns, &grid);
         next.bodies.system_of(&state);
-        next.last = Some(Step { state, iterations, drive, duration, path: Path::Steady(None, None) });
+        next.last = Some(Step { state, iterations, drive, duration, path: Path::Steady(None) });
         (next.inputs, next.outputs) = (self.inputs, self.outputs.clone());
         (next.warnings, next.position) = (self.warnings.clone(), self.position.clone());
         Ok(next)
@@ -202,7 +202,7 @@ impl Simulation {
         self.bodies.reserve()?;
         self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
         let motion = match &last.path {
-            Path::Steady(..) => None,
+            Path::Steady(_) => None,
             Path::Transient(motion) => Some(&**motion),
         };
         // The mesh goes along with the contact.
@@ -228,22 +228,16 @@ impl Simulation {
         check(&inputs)?;
         self.bodies.reserve()?;
         let from = self.last.as_ref().map(|last| {
-            let (reusable, before) = match &last.path {
-                Path::Steady(reusable, before) => (reusable.clone(), before.clone()),
-                Path::Transient(_) => (None, None),
+            let reusable = match &last.path {
+                Path::Steady(reusable) => reusable.clone(),
+                Path::Transient(_) => None,
             };
-            Steady { state: State { rates: None, ..last.state.clone() }, reusable, before }
+            Steady { state: State { rates: None, ..last.state.clone() }, reusable }
         });
         let mut iterations = 0;
         self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
-        let Steady { state, reusable, before } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
-        self.accept(Step {
-            state,
-            iterations: iterations as i32,
-            drive,
-            duration,
-            path: Path::Steady(reusable, before),
-        });
+        let Steady { state, reusable } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
+        self.accept(Step { state, iterations: iterations as i32, drive, duration, path: Path::Steady(reusable) });
         Ok(())
     }
 
@@ -375,10 +369,7 @@ impl Step {
     fn fits(&self, system: &System) -> bool {
         system.admits(&self.state)
             && match &self.path {
-                Path::Steady(reusable, before) => {
-                    reusable.as_ref().is_none_or(|reusable| reusable.fits(system))
-                        && before.as_ref().is_none_or(|state| system.admits(state))
-                }
+                Path::Steady(reusable) => reusable.as_ref().is_none_or(|reusable| reusable.fits(system)),
                 Path::Transient(motion) => motion.fits(system),
             }
     }

@@ -8,7 +8,7 @@ use crate::equations::load::LARGEST_APPROACH;
 use crate::equations::system::System;
 use crate::parameters::{Control, Inputs};
 use crate::solver::linear::Singular;
-use crate::solver::predictor::{PredictorError, proportion};
+use crate::solver::predictor::PredictorError;
 
 /// Changes of what is given: depth or load, speed, slide-to-roll ratio, and the logarithm of the film's viscosity.
 pub(super) type Changes = [f64; 4];
@@ -67,33 +67,12 @@ pub(super) struct Prediction {
     pub estimate: Option<PredictorEstimate>,
 }
 
-/// The state at the target inputs on the mesh of another contact: each node keeps what it has in proportion to the contact, and what
-/// that missed in the last step is added in the proportion of the steps.
-pub(super) fn carry(bodies: &mut Bodies, from: &Steady, target: &Target, contact: f64, control: Control) -> State {
-    let now = &from.state;
+/// The state at the target inputs on the mesh of another contact: each node keeps what it has in proportion to the contact.
+pub(super) fn carry(bodies: &mut Bodies, now: &State, target: &Target, contact: f64, control: Control) -> State {
     let mut guess = State { contact_half_width: contact, thickening: target.thickening, ..now.clone() };
     let system = bodies.system(now.mirrored);
     let ratio = system.carry(&mut guess.unknowns, now.contact_half_width, contact);
     guess.inputs.penetration_depth *= ratio;
-    let before = from.before.as_ref().filter(|before| before.mirrored == now.mirrored).and_then(|before| {
-        let way = changes(&before.target(), &now.target(), control);
-        let steps = proportion(&changes(&now.target(), target, control), &way)?;
-        let growth = |from: f64, to: f64| (to / from).ln();
-        let last = growth(before.contact_half_width, now.contact_half_width);
-        let steps = if last == 0.0 { steps } else { growth(now.contact_half_width, contact) / last };
-        (0.0..=3.0).contains(&steps).then_some((before, steps))
-    });
-    if let Some((before, steps)) = before {
-        let mut carried = before.unknowns.clone();
-        let last = system.carry(&mut carried, before.contact_half_width, now.contact_half_width);
-        let proportional = guess.unknowns.clone();
-        for ((value, now), carried) in guess.unknowns.iter_mut().zip(&now.unknowns).zip(&carried) {
-            *value += steps * ratio * (now - carried);
-        }
-        system.keep_films(&mut guess.unknowns, &proportional);
-        guess.inputs.penetration_depth +=
-            steps * ratio * (now.inputs.penetration_depth - last * before.inputs.penetration_depth);
-    }
     if control == Control::Depth {
         system.compress(&mut guess.unknowns, target.inputs.penetration_depth - guess.inputs.penetration_depth);
     }

@@ -73,7 +73,7 @@ pub(super) fn relax(
     // On the mesh of the target all the way.
     let contact = bodies.contact_half_width(&to.inputs, control);
     if contact != state.contact_half_width {
-        state = carry(bodies, &Steady { state, reusable: None, before: None }, &start, contact, control);
+        state = carry(bodies, &state, &start, contact, control);
     }
     let there = start.thickening == to.thickening
         && match control {

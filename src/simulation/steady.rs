@@ -15,8 +15,6 @@ use crate::solver::{continuation, newton};
 pub(super) struct Steady {
     pub state: State,
     pub reusable: Option<Box<ReusableTangent>>,
-    /// The state before, where the mesh goes with the contact.
-    pub before: Option<Box<State>>,
 }
 
 /// A tangent is kept for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
@@ -113,7 +111,7 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
     let rest = State { thickening, ..bodies.rest(inputs) };
     let apart = Inputs { penetration_depth: rest.inputs.penetration_depth, ..*inputs };
     let pressed = Inputs { penetration_depth: depth, ..*inputs };
-    let (mut reached, mut ways) = (Steady { state: rest, reusable: None, before: None }, vec![apart, pressed]);
+    let (mut reached, mut ways) = (Steady { state: rest, reusable: None }, vec![apart, pressed]);
     if thickening > 1.0 {
         let thickness = bodies.system(bodies.equal()).thickness();
         let afloat = Inputs { penetration_depth: depth.min(AFLOAT.0 * thickness), ..*inputs };
@@ -123,7 +121,7 @@ fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Re
         let (result, spent) = bodies.settle(guess, &Task { control: Control::Depth, settings, reusable: None });
         *iterations += spent;
         if let Ok(state) = result {
-            (reached, ways) = (Steady { state, reusable: None, before: None }, vec![pressed]);
+            (reached, ways) = (Steady { state, reusable: None }, vec![pressed]);
         }
     }
     for inputs in ways {
@@ -230,12 +228,10 @@ fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -
     let contact = bodies.contact_half_width(inputs, control);
     let reusable = from.reusable.as_ref().map(|reusable| &reusable.linearization);
     if contact != from.state.contact_half_width || target.thickening != from.state.thickening {
-        let guess = carry(bodies, from, target, contact, control);
+        let guess = carry(bodies, &from.state, target, contact, control);
         let guess = bodies.converted(guess, mirrored);
         let reusable = reusable.map(|linearization| (linearization, PredictorEstimate::default()));
-        let (result, spent) = settle(bodies, guess, inputs, control, reusable);
-        let before = Some(Box::new(from.state.clone()));
-        return (result.map(|reached| Steady { before, ..reached }), spent);
+        return settle(bodies, guess, inputs, control, reusable);
     }
     let Prediction { guess, by_tangent, changes, estimate } = predict(bodies, from, target, control);
     let guess = bodies.converted(guess, mirrored);
@@ -265,7 +261,7 @@ fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -
                 let linearization = bodies.converted(reusable.linearization, true);
                 Box::new(ReusableTangent { linearization, predictor_error: None })
             });
-            (Ok(Steady { state: bodies.converted(reached.state, true), reusable, before: None }), spent)
+            (Ok(Steady { state: bodies.converted(reached.state, true), reusable }), spent)
         }
         _ => (Ok(reached), spent),
     }
@@ -295,7 +291,7 @@ pub(super) fn settle(
     let reusable = bodies
         .linearization(mirrored)
         .map(|linearization| Box::new(ReusableTangent { linearization: linearization.clone(), predictor_error: None }));
-    (result.map(|state| Steady { state, reusable, before: None }), spent)
+    (result.map(|state| Steady { state, reusable }), spent)
 }
 
 /// Depths of contacts grow by the same factor in equal fractions of the way, counted from this much clearance \[m\].

@@ -20,6 +20,27 @@ fn a_hip_is_loaded_from_rest_at_any_speed() {
     }
 }
 
+/// A fifth of the load more or less is so many iterations at most away, up and down and turning round.
+#[test]
+fn a_fifth_of_the_load_is_near() {
+    for (preset, load, most) in [
+        (Preset::HumanFemoralCondyle, 10e3, 10),
+        (Preset::HumanFemoralCondyle, 50e3, 10),
+        (Preset::HumanTibialPlateau, 30e3, 15),
+    ] {
+        let parameters = Parameters { control: Control::Load, ..preset.parameters() };
+        let mut joint = Simulation::new(&parameters).unwrap();
+        let mut go = |applied_load| {
+            joint.solve_steady(Inputs { applied_load, sliding_speed: 0.2, ..Inputs::NONE }).unwrap();
+            joint.outputs().newton_iterations
+        };
+        go(load);
+        let iterations = [1, 2, 1, 0, 1, 2, 3].map(|steps| go(load * 1.2_f64.powi(steps)));
+        println!("{preset:?} {load} N/m: {iterations:?}");
+        assert!(iterations.iter().all(|count| *count <= most), "{preset:?} {load} N/m: {iterations:?}");
+    }
+}
+
 /// Walks at random in load (0.5 to 60 kN/m, up to a fifth a step), speed (-0.3 to 0.3 m/s) and slide-to-roll ratio (-0.99 to 0.99: a surface at
 /// rest has drained), from this load and speed: every state is found. Returns the iterations of every step.
 fn walk(preset: Preset, [mut load, mut speed]: [f64; 2], steps: usize) -> Vec<i32> {

@@ -47,18 +47,6 @@ impl System {
         ratio
     }
 
-    /// Keeps a film that was extrapolated from `before` between half and twice what it was.
-    pub fn keep_films(&self, unknowns: &mut [f64], before: &[f64]) {
-        for (station, number) in self.layout.gap.iter().enumerate() {
-            let (gap, before) = (&mut unknowns[*number as usize], before[*number as usize]);
-            let (low, high) = if before > 0.0 { (0.5 * before, 2.0 * before) } else { (2.0 * before, 0.5 * before) };
-            let limited = gap.clamp(low, high);
-            let correction = limited - *gap;
-            *gap = limited;
-            self.follow(station, correction, unknowns);
-        }
-    }
-
     /// Subtracts an update from the unknowns. Where the film is thicker than `THIN_FILM` the gap closes and opens within the limits of
     /// [`crate::equations::contact::ContactLaw`]. The tissue below follows, less and less towards the bone, so that no element is
     /// turned inside out.
