@@ -15,9 +15,11 @@ TOML = "tomllib" if sys.version_info >= (3, 11) else "tomli"
 
 
 def needs(*packages):
-    """Ends the program, and says what to install, where a package is missing."""
+    """Ends the program, and says what to install, where a package is missing; asked for help, after what the program does."""
     missing = [package for package in packages if importlib.util.find_spec(package) is None]
     if missing:
+        if {"-h", "--help"} & set(sys.argv[1:]):
+            print(sys.modules["__main__"].__doc__.strip(), end="\n\n", flush=True)
         names = {"dask": '"dask[distributed]"', "syssimx": '"syssimx[fmu,opensim]"'}
         sys.exit(f"{', '.join(missing)} missing: pip install {' '.join(names.get(name, name) for name in missing)}")
 
