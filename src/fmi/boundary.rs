@@ -7,7 +7,8 @@
 use std::ffi::{CStr, CString, c_char, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::fmi::instance::{Answer, Instance, Refusal, refuse};
+use crate::fmi::answer::{Answer, Refusal, refuse};
+use crate::fmi::instance::Instance;
 use crate::fmi::log::{Category, Line, Log, Status};
 use crate::fmi::standard::Standard;
 use crate::fmi::state::SavedState;

@@ -1,6 +1,7 @@
 //! Derivatives: of outputs with respect to inputs, and of both with respect to time.
 
-use crate::fmi::instance::{Answer, Instance, refuse};
+use crate::fmi::answer::{Answer, refuse};
+use crate::fmi::instance::Instance;
 use crate::fmi::model::Model;
 use crate::fmi::phase::Call;
 use crate::simulation::Input;

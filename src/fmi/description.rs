@@ -10,7 +10,7 @@ use uuid::Uuid;
 use uuid::fmt::Hyphenated;
 
 use crate::fmi::MODEL_IDENTIFIER;
-use crate::fmi::instance::{Answer, refuse};
+use crate::fmi::answer::{Answer, refuse};
 use crate::fmi::log::Category;
 use crate::parameters::Value;
 use crate::units::Unit;

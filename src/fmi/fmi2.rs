@@ -10,12 +10,13 @@
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 
+use crate::fmi::answer::{Answer, Refusal, refuse};
 use crate::fmi::boundary::{
     Listener, Logger, Messenger, array, array_mut, create, guard, hand_out, handed_out, place, release,
     set_debug_logging, string, take_back, write_state,
 };
 use crate::fmi::description;
-use crate::fmi::instance::{Answer, Instance, Refusal, refuse};
+use crate::fmi::instance::Instance;
 use crate::fmi::log::{Log, Status};
 use crate::fmi::phase::Call;
 use crate::fmi::standard::Standard;

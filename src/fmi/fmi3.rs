@@ -15,12 +15,13 @@ pub mod other_types;
 
 use std::ffi::{c_char, c_uint, c_void};
 
+use crate::fmi::answer::{Answer, refuse};
 use crate::fmi::boundary::{
     Listener, Messenger, PlainLogger, array, array_mut, create, guard, hand_out, handed_out, place, release,
     set_debug_logging, string, take_back, write_state,
 };
 use crate::fmi::description;
-use crate::fmi::instance::{Answer, Instance, refuse};
+use crate::fmi::instance::Instance;
 use crate::fmi::log::Log;
 use crate::fmi::standard::Standard;
 use crate::fmi::state::SavedState;

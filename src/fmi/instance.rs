@@ -3,6 +3,7 @@
 //! A call that is refused changes nothing. That is why arrays are set on copies first.
 
 use crate::error::Error;
+use crate::fmi::answer::{Answer, Refusal, refuse};
 use crate::fmi::log::{Category, Log, Status};
 use crate::fmi::model::Model;
 use crate::fmi::phase::{Call, Phase};
@@ -12,30 +13,6 @@ use crate::memory;
 use crate::parameters::{Inputs, Value};
 use crate::simulation::Drive;
 use crate::variables::{Source, Type, VARIABLES, Variable};
-
-/// Why a call did not do what it was asked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Refusal {
-    /// `Error`, or `Discard` where another step size or input may succeed.
-    pub status: Status,
-    /// Which variable, which value, what is allowed.
-    pub message: String,
-}
-
-/// Outcome of a call.
-pub type Answer<T> = Result<T, Refusal>;
-
-/// Refuses with the status `Error`.
-pub fn refuse<T>(message: impl Into<String>) -> Answer<T> {
-    Err(Refusal { status: Status::Error, message: message.into() })
-}
-
-impl From<Error> for Refusal {
-    fn from(error: Error) -> Self {
-        let status = if matches!(error, Error::NotConverged { .. }) { Status::Discard } else { Status::Error };
-        Self { status, message: error.to_string() }
-    }
-}
 
 /// One instance: settings, and the model once it is needed.
 pub struct Instance {

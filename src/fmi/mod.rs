@@ -5,6 +5,7 @@
 //! | [`standard`] | what differs between the versions of FMI |
 //! | [`phase`] | which call is legal when |
 //! | [`log`] | which messages the importer wants |
+//! | [`answer`] | what a call answers: a value, or why not |
 //! | [`instance`] | one instance: inputs, outputs, steps; knows nothing of C |
 //! | [`model`] | what it asks for outputs: the full or the real-time model |
 //! | [`resources`] | the table of the real-time model in the unpacked FMU |
@@ -19,6 +20,7 @@
 //! | [`fmi2`] | the 34 functions of FMI 2.0 for co-simulation |
 //! | [`fmi3`] | the 75 functions of FMI 3.0 |
 
+pub mod answer;
 pub mod archive;
 pub mod boundary;
 pub mod derivatives;

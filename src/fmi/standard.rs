@@ -1,6 +1,6 @@
 //! The versions of FMI, and what differs between them: how types are called, and what a value reference stands for.
 
-use crate::fmi::instance::{Answer, refuse};
+use crate::fmi::answer::{Answer, refuse};
 use crate::outputs::STATIONS;
 use crate::variables::{Source, Type, VARIABLES, Variable, referred};
 

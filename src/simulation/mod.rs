@@ -4,7 +4,6 @@ mod bodies;
 mod derivatives;
 mod drive;
 mod predictor;
-mod relaxation;
 mod steady;
 mod transient;
 
@@ -12,8 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use self::bodies::{Bodies, State};
 pub use self::drive::Drive;
-use self::predictor::ReusableTangent;
-use self::steady::Steady;
+use self::predictor::{ReusableTangent, Steady};
 use self::transient::Motion;
 use crate::equations::grid::Grid;
 use crate::equations::system::{Solved, System};

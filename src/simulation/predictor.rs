@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::bodies::{Bodies, PredictorEstimate, State};
-use super::steady::Steady;
 use crate::equations::load::LARGEST_APPROACH;
 use crate::equations::system::System;
 use crate::parameters::{Control, Inputs};
@@ -58,6 +57,13 @@ pub(super) fn unknowns_and_depth(state: &State) -> Vec<f64> {
     [&state.unknowns[..], &[state.inputs.penetration_depth]].concat()
 }
 
+/// A steady state, and the tangent that led to it: near enough to predict states nearby and to solve for them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Steady {
+    pub state: State,
+    pub reusable: Option<Box<ReusableTangent>>,
+}
+
 /// A guess of a state, from what it was predicted, and how far it may be trusted.
 pub(super) struct Prediction {
     pub guess: State,
@@ -79,7 +85,7 @@ pub(super) fn carry(bodies: &mut Bodies, now: &State, target: &Target, contact: 
     guess
 }
 
-/// The state at the target inputs on the tangent, and beyond that by what the tangent missed in the last step.
+/// The state at the target inputs on the tangent, corrected by the predictor error of the last step.
 pub(super) fn predict(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -> Prediction {
     let mut guess = from.state.clone();
     let changes = changes(&guess.target(), target, control);

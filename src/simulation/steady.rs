@@ -1,8 +1,10 @@
 //! The way to a steady state: steps of what is given, and where they fail, motion in time that comes to rest.
 
+mod relaxation;
+
+use self::relaxation::relax;
 use super::bodies::{Bodies, PredictorEstimate, State, Task};
-use super::predictor::{Prediction, ReusableTangent, Target, carry, predict, unknowns_and_depth};
-use super::relaxation::relax;
+use super::predictor::{Prediction, ReusableTangent, Steady, Target, carry, predict, unknowns_and_depth};
 use crate::equations::grid;
 use crate::equations::system::Solved;
 use crate::error::Error;
@@ -10,14 +12,7 @@ use crate::parameters::{Control, Formulation, Inputs, Parameters};
 use crate::solver::predictor::PredictorError;
 use crate::solver::{continuation, newton};
 
-/// A steady state, and the tangent that led to it: near enough to predict states nearby and to solve for them.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Steady {
-    pub state: State,
-    pub reusable: Option<Box<ReusableTangent>>,
-}
-
-/// A tangent is kept for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
+/// A tangent is reused for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
 pub(super) const PATIENCE: f64 = 4.0;
 /// Most Newton iterations of a step.
 const ITERATIONS: usize = 25;
@@ -278,7 +273,7 @@ fn settings(bodies: &Bodies) -> newton::Settings {
 }
 
 /// Newton's method from a guess to a steady state.
-pub(super) fn settle(
+fn settle(
     bodies: &mut Bodies,
     guess: State,
     target: &Inputs,
@@ -299,7 +294,7 @@ const CLEARANCE: f64 = 20e-6;
 
 /// What is given at a fraction of the way: viscosities, loads and, where the mesh goes with the contact, depths and speeds grow by the same
 /// factor in equal fractions, the rest evenly.
-pub(super) fn between(from: &Target, to: &Target, fraction: f64, control: Control, moves: bool) -> Target {
+fn between(from: &Target, to: &Target, fraction: f64, control: Control, moves: bool) -> Target {
     let mix = |a: f64, b: f64| a + fraction * (b - a);
     let grow = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * (b / a).powf(fraction) } else { mix(a, b) };
     let mut inputs = from.inputs.combined(&to.inputs, mix);

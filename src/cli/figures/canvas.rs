@@ -3,6 +3,8 @@
 //! The one place that knows the plotting library. Text is measured and, in the PNG, drawn with a font that is part of the
 //! program, so that figures look alike on machines that have no fonts installed.
 
+mod pdf;
+
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -14,8 +16,6 @@ use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{PathElement, Polygon, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, WHITE};
-
-use super::pdf;
 
 /// Pixels a point, before the PNG is averaged down and the SVG is scaled down. The plotting library rounds to whole pixels
 /// and does not smooth thick lines; this hides both.

@@ -7,7 +7,6 @@ pub mod experiments;
 pub mod fields;
 pub mod gait;
 pub mod panel;
-mod pdf;
 pub mod press_and_release;
 pub mod reduced;
 pub mod stribeck;

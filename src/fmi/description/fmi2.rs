@@ -7,7 +7,7 @@ use super::{
     Token, attributes, co_simulation, depends_on_inputs, escape, head, log_categories_and_experiment, role, types,
     units,
 };
-use crate::fmi::instance::Answer;
+use crate::fmi::answer::Answer;
 use crate::variables::{Source, Type, VARIABLES, Variable};
 
 // Only the token is kept: what a static holds stays behind when the library is unloaded.

@@ -7,7 +7,7 @@ use super::{
     Token, attributes, co_simulation, depends_on_inputs, escape, head, log_categories_and_experiment, role, types,
     units,
 };
-use crate::fmi::instance::Answer;
+use crate::fmi::answer::Answer;
 use crate::fmi::standard::{Standard, TIME_REFERENCE};
 use crate::units::Unit;
 use crate::variables::{Source, Type, VARIABLES, Variable};

@@ -7,8 +7,8 @@
 use std::ffi::{c_char, c_uint, c_void};
 
 use super::{fmi3Boolean, fmi3LogMessageCallback};
+use crate::fmi::answer::refuse;
 use crate::fmi::boundary::{Listener, Messenger, create, guard};
-use crate::fmi::instance::refuse;
 use crate::fmi::log::Log;
 use crate::fmi::standard::Standard;
 

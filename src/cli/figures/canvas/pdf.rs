@@ -9,7 +9,7 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref};
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{Anchor, Canvas, Draw, Lettering};
+use super::{Anchor, Canvas, Draw, Lettering};
 
 /// 174 mm, the width of a page with two columns, in points.
 const WIDTH: f64 = 174.0 / 25.4 * 72.0;

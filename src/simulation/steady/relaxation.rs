@@ -1,10 +1,10 @@
 //! A steady state as the end of a motion in time: squeeze and drainage damp what Newton's method alone would overshoot.
 
-use super::bodies::{Bodies, State, Task};
-use super::predictor::{Target, carry};
-use super::steady::{Steady, between, settle};
+use super::{between, settle};
 use crate::equations::system::{Rates, StoredVolumes};
 use crate::parameters::Control;
+use crate::simulation::bodies::{Bodies, State, Task};
+use crate::simulation::predictor::{Steady, Target, carry};
 use crate::solver::newton;
 use crate::solver::pseudo_transient::{self, Lengths, Motion};
 
