@@ -1,5 +1,6 @@
 //! The discrete system: two poroelastic layers, the film between them and their contact, as one set of equations.
 
+mod laws;
 mod load;
 mod problem;
 mod residual;
@@ -8,6 +9,7 @@ mod tangent;
 mod transfer;
 mod update;
 
+pub use laws::{Layer, fluid};
 pub use load::Loads;
 pub use problem::{Slope, Task};
 pub use state::{Rates, Solved, State, StoredVolumes};
@@ -19,29 +21,13 @@ use crate::equations::film_end::{FilmEnd, Outflow};
 use crate::equations::grid::{self, Grid};
 use crate::equations::layout::{Layout, Quantity};
 use crate::equations::surface::Surface;
-use crate::equations::tissue::{LOCAL, Local, Tissue, VolumeRate};
+use crate::equations::tissue::{LOCAL, Local, VolumeRate};
 use crate::fem::assembly::scatter;
 use crate::fem::element::{NODES, SIMPSON};
-use crate::fem::mesh::LayerMesh;
-use crate::laws::contact::mobilised_friction;
-use crate::laws::fluid::{Carreau, Fluid};
-use crate::laws::roughness::Roughness;
-use crate::laws::solid::{self, Fibres, GroundMatrix, NeoHookean, Solid};
-use crate::laws::{FluidLaw, Formulation, PermeabilityLaw, SolidLaw, darcy};
-use crate::parameters::{Body, Inputs, Parameters};
+use crate::parameters::{Formulation, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
+use laws::{body, boundary_friction, mobility, roughness, sector};
 use problem::Tangent;
-
-/// One body: its mesh and its material.
-#[derive(Debug)]
-pub struct Layer {
-    /// The mesh.
-    pub mesh: LayerMesh,
-    /// The material.
-    pub tissue: Tissue,
-    /// 1 above the film, -1 below.
-    pub side: f64,
-}
 
 /// The discrete equations of a pair of layers, with the factorisation of their last tangent.
 #[derive(Debug)]
@@ -53,7 +39,7 @@ pub struct System {
     thickening: f64,
     /// x of the interface nodes \[m\].
     pub stations: Vec<f64>,
-    /// Places of the interface nodes along the arc of the film \[m\].
+    /// Positions of the interface nodes along the arc of the film \[m\].
     pub arc: Vec<f64>,
     /// Cosine of the angle of that arc with the x axis, at the interface nodes.
     pub cosine: Vec<f64>,
@@ -80,106 +66,6 @@ pub struct System {
 /// Whether anything moves the fluid of the film: walls or time.
 fn moves(inputs: &Inputs, rates: Option<&Rates>) -> bool {
     inputs.sliding_speed != 0.0 || rates.is_some()
-}
-
-/// Roughness of the surfaces; none where they are smooth.
-fn roughness(parameters: &Parameters) -> Option<Roughness> {
-    let p = parameters;
-    (p.surface_roughness > 0.0).then_some(Roughness {
-        rms: p.surface_roughness,
-        law: p.asperity_law,
-        asperity_pressure: p.asperity_pressure,
-        asperity_decay: p.asperity_decay,
-        core_pressure: p.core_pressure,
-        core_decay: p.core_decay,
-    })
-}
-
-/// The lubricant of the film. That in the pores has the viscosity at high shear rates: the long molecules that thin under shear stay in
-/// the film.
-pub fn fluid(parameters: &Parameters) -> Fluid {
-    let p = parameters;
-    match p.fluid_law {
-        FluidLaw::Newtonian => Fluid::Newtonian(p.viscosity),
-        FluidLaw::Carreau => Fluid::Carreau(Carreau {
-            zero_shear_viscosity: p.zero_shear_viscosity,
-            infinite_shear_viscosity: p.viscosity,
-            relaxation_time: p.relaxation_time,
-            flow_index: p.flow_index,
-        }),
-    }
-}
-
-/// Traction on the upper body's tissue per unit of contact pressure, positive along -x, and its derivatives with respect to the two
-/// surface speeds.
-fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> (f64, [f64; 2]) {
-    let p = parameters;
-    if !p.boundary_friction_loads_tissue {
-        return (0.0, [0.0; 2]);
-    }
-    let (m, slopes) = mobilised_friction(p.formulation, inputs.surface_speeds(), p.friction_regularisation_speed);
-    (m * p.boundary_friction_coefficient, slopes.map(|s| s * p.boundary_friction_coefficient))
-}
-
-/// The body on this side of the film.
-fn body(parameters: &Parameters, side: f64) -> &Body {
-    if side > 0.0 { &parameters.upper } else { &parameters.lower }
-}
-
-/// Permeability over the fluid's viscosity \[m^4/(N s)\].
-fn mobility(parameters: &Parameters, side: f64) -> f64 {
-    parameters.hydraulic_permeability(body(parameters, side))
-}
-
-fn sector(parameters: &Parameters, side: f64, grid: &Grid) -> LayerMesh {
-    let body = body(parameters, side);
-    let depths: Vec<f64> = grid.depths[usize::from(side < 0.0)].iter().map(|depth| depth * body.thickness).collect();
-    LayerMesh::sector(&grid.stations, &depths, 1.0 / body.curvature(), side, parameters.pressure_order)
-}
-
-impl Layer {
-    fn new(parameters: &Parameters, side: f64, grid: &Grid) -> Self {
-        let body = body(parameters, side);
-        let consistent = parameters.formulation == Formulation::Consistent;
-        let alpha = body.biot_coefficient;
-        let (isochoric, volumetric) = if consistent { (1.0, 1.0) } else { (alpha, 1.0 - alpha) };
-        Self {
-            mesh: sector(parameters, side, grid),
-            tissue: Tissue {
-                solid: Solid {
-                    matrix: match body.solid_law {
-                        SolidLaw::NeoHookean => GroundMatrix::NeoHookean(NeoHookean {
-                            shear_modulus: isochoric * body.shear_modulus,
-                            bulk_modulus: volumetric * body.bulk_modulus,
-                        }),
-                        SolidLaw::HolmesMow => GroundMatrix::HolmesMow(solid::HolmesMow {
-                            shear_modulus: body.shear_modulus,
-                            bulk_modulus: body.bulk_modulus,
-                            stiffening_coefficient: body.stiffening_coefficient,
-                        }),
-                    },
-                    fibres: (body.fibre_modulus > 0.0).then(|| {
-                        Fibres::new(body.fibre_modulus, body.fibre_exponent, body.fibre_exponential_coefficient)
-                    }),
-                },
-                biot_coefficient: alpha,
-                mobility: mobility(parameters, side),
-                tangential_ratio: body.tangential_permeability_ratio,
-                strain_dependence: match parameters.permeability_law {
-                    PermeabilityLaw::Constant => None,
-                    PermeabilityLaw::HolmesMow => Some(darcy::HolmesMow {
-                        solid_volume_fraction: body.solid_volume_fraction,
-                        exponent: body.permeability_exponent,
-                        strain_coefficient: body.permeability_strain_coefficient,
-                    }),
-                },
-                fluid_compressibility: parameters.fluid_compressibility,
-                consistent,
-                profile: body.depth_profile(),
-            },
-            side,
-        }
-    }
 }
 
 impl System {

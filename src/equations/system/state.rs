@@ -75,7 +75,7 @@ pub struct StoredVolumes {
     pub volume: Vec<Vec<[f64; POINTS]>>,
     /// Fluid r h of the film times the length of its element \[m^2\].
     pub film: Vec<[f64; 3]>,
-    /// Places of the stations, whose rates are the speed of the mesh \[m\].
+    /// x of the stations, whose rates are the speed of the mesh \[m\].
     pub stations: Vec<f64>,
 }
 
