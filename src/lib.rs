@@ -43,7 +43,8 @@
 //! fmi2SetReal -> fmi::instance::Instance::set_real   its row of variables::VARIABLES says where in parameters::Inputs
 //! fmi2DoStep -> Instance::do_step -> fmi::model::Model::advance
 //!   -> simulation::Simulation::advance            in time (simulation::transient, solver::time_stepping),
-//!                ::solve_steady                   or to the steady state (simulation::steady, solver::continuation)
+//!                ::solve_steady                   or to the steady state (simulation::steady, solver::continuation,
+//!                                                 and where its steps fail solver::pseudo_transient)
 //!     -> equations::system::System::settle        Newton's method (solver::newton) on the system, with the active set of contact
 //!       -> equations::{tissue, film, contact}     weak forms: residual and tangent of an element
 //!         -> laws::{solid, darcy, film, contact}  formulas and their derivatives at a point

@@ -46,56 +46,49 @@ impl From<HolmesMow> for Solid {
     }
 }
 
+/// What the law of a ground matrix says, whichever it is.
+macro_rules! of_law {
+    ($matrix:expr, $law:ident => $value:expr) => {
+        match $matrix {
+            GroundMatrix::NeoHookean($law) => $value,
+            GroundMatrix::HolmesMow($law) => $value,
+        }
+    };
+}
+
 impl GroundMatrix {
     /// Shear and bulk modulus at small strain \[Pa\].
     fn moduli(&self) -> [f64; 2] {
-        match self {
-            Self::NeoHookean(law) => [law.shear_modulus, law.bulk_modulus],
-            Self::HolmesMow(law) => [law.shear_modulus, law.bulk_modulus],
-        }
+        of_law!(self, law => [law.shear_modulus, law.bulk_modulus])
     }
 
     fn energy(&self, strain: &Strain) -> f64 {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
-        match self {
-            Self::NeoHookean(law) => law.energy(i, e),
-            Self::HolmesMow(law) => law.energy(i, e),
-        }
+        of_law!(self, law => law.energy(i, e))
     }
 
     #[inline(always)]
     fn first(&self, strain: &Strain) -> FirstDerivatives {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
-        match self {
-            Self::NeoHookean(law) => law.first(i, e),
-            Self::HolmesMow(law) => law.first(i, e),
-        }
+        of_law!(self, law => law.first(i, e))
     }
 
     fn second(&self, strain: &Strain) -> SecondDerivatives {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
-        match self {
-            Self::NeoHookean(law) => law.second(i, e),
-            Self::HolmesMow(law) => law.second(i, e),
-        }
+        of_law!(self, law => law.second(i, e))
     }
 
     fn out_of_plane(&self, strain: &Strain) -> OutOfPlane {
         let (i, e) = (strain.first_invariant_change(), strain.volume_change);
-        match self {
-            Self::NeoHookean(law) => law.out_of_plane(i, e),
-            Self::HolmesMow(law) => law.out_of_plane(i, e),
-        }
+        of_law!(self, law => law.out_of_plane(i, e))
     }
 }
 
 impl Solid {
     /// With moduli that many times as large.
     pub fn scaled(mut self, factors: &Factors) -> Self {
-        let (shear_modulus, bulk_modulus) = match &mut self.matrix {
-            GroundMatrix::NeoHookean(law) => (&mut law.shear_modulus, &mut law.bulk_modulus),
-            GroundMatrix::HolmesMow(law) => (&mut law.shear_modulus, &mut law.bulk_modulus),
-        };
+        let (shear_modulus, bulk_modulus) =
+            of_law!(&mut self.matrix, law => (&mut law.shear_modulus, &mut law.bulk_modulus));
         *shear_modulus *= factors.shear_modulus;
         *bulk_modulus *= factors.bulk_modulus;
         if let Some(fibres) = &mut self.fibres {
