@@ -39,7 +39,7 @@ fn pressed(parameters: &Parameters, stress: f64) -> Result<Vec<(f64, f64)>, Erro
         let a = grid::contact_half_width(parameters, &inputs, Control::Depth);
         let depth = o.penetration_depth + o.central_film_thickness;
         states.push((1e-6 * load / (2.0 * a), 50.0 * depth / parameters.upper.thickness));
-        load *= 1.5;
+        load *= 1.25;
     }
     Ok(states)
 }
