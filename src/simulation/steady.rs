@@ -29,6 +29,9 @@ const THICKEST_FILM: f64 = 0.2;
 /// From what depth such a way starts at once, and with a film of what thickness, as fractions of a layer's thickness.
 const AFLOAT: (f64, f64) = (0.1, 0.02);
 
+/// Fractions of the depth and of the load from which a state is reached that is not from rest.
+const LESS: (f64, f64) = (0.75, 0.5);
+
 /// Fibres make tissue far stiffer than the theory that says what depth goes with a load. From this load on it is followed up \[N/m\].
 const FIRST_LOAD: f64 = 50.0;
 
@@ -79,9 +82,27 @@ struct Stuck {
     reason: String,
 }
 
-/// From rest. Where the mesh goes with the contact: afloat on a thick fluid, then pressed on each other, and last the fluid becomes
-/// what it is in time. Else the surfaces are set in motion before they touch, and then pressed on each other.
+/// From rest: at once, or where that fails and the mesh goes with the contact, from less depth or load.
 fn from_rest(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, Box<Stuck>> {
+    let control = bodies.parameters.control;
+    let less = match control {
+        Control::Depth => Inputs { penetration_depth: LESS.0 * inputs.penetration_depth, ..*inputs },
+        Control::Load => Inputs { applied_load: LESS.1 * inputs.applied_load, ..*inputs },
+    };
+    let depth = grid::Expected::new(&bodies.parameters, &less, control).depth;
+    let deep = grid::moves(&bodies.parameters) && depth > AFLOAT.0 * bodies.system(bodies.equal()).thickness();
+    match at_once(bodies, inputs, iterations) {
+        Err(stuck) if deep && !bodies.deadline.passed() => match from_rest(bodies, &less, iterations) {
+            Ok(near) => follow(bodies, &near, Target { inputs: *inputs, thickening: 1.0 }, control, iterations),
+            Err(_) => Err(stuck),
+        },
+        result => result,
+    }
+}
+
+/// From rest at once. Where the mesh goes with the contact: afloat on a thick fluid, then pressed on each other, and last the fluid becomes
+/// what it is in time. Else the surfaces are set in motion before they touch, and then pressed on each other.
+fn at_once(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Result<Steady, Box<Stuck>> {
     let parameters = bodies.parameters;
     let control = parameters.control;
     let fibres = [parameters.upper, parameters.lower].iter().any(|body| body.fibre_modulus > 0.0);

@@ -427,6 +427,24 @@ fn body_weight_is_carried_from_rest() {
     }
 }
 
+/// 30 % of the layers' thickness by depth, and 100 kN/m on stiff tissue: reached from less, not at once.
+#[test]
+fn thirty_per_cent_of_compression_is_reached_from_rest() {
+    let condyle = Preset::HumanFemoralCondyle.parameters();
+    let bovine = Parameters { control: Control::Load, ..Preset::BovineHumeralHead.parameters() };
+    let deep = Inputs { penetration_depth: 0.6 * condyle.upper.thickness, sliding_speed: U, ..Inputs::NONE };
+    for (parameters, given) in
+        [(condyle, deep), (bovine, Inputs { applied_load: 100e3, sliding_speed: U, ..Inputs::NONE })]
+    {
+        let mut joint = Simulation::new(&parameters).unwrap();
+        joint.solve_steady(given).unwrap();
+        let o = joint.outputs();
+        let compression = 0.5 * o.penetration_depth / parameters.upper.thickness;
+        println!("{compression}: {} N/m, {} iterations", o.load, o.newton_iterations);
+        assert!(compression > 0.23 && o.load > 90e3 && o.fluid_load_support > 0.9, "{compression} {o:?}");
+    }
+}
+
 /// Deep in the contact of undrained tissue the pressure is smooth from column to column: 7e-5 of it alternates, and without the upstream
 /// weight 2e-4.
 #[test]
