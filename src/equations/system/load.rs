@@ -44,8 +44,9 @@ impl System {
         change.unknowns[self.layout.gap[station] as usize]
     }
 
-    /// What the surfaces carry, with its change: vertical forces of pressure and of what rubs on slopes, of the consistent formulation and of rough surfaces over the deformed
-    /// surfaces (the mean of both bodies), else over the undeformed ones.
+    /// What the surfaces carry, with its change: vertical forces of pressure and of what rubs on slopes, over the surfaces of the weak
+    /// forms, of both bodies on the mean. The fluid of the paper's formulation presses on the undeformed surfaces, that of the consistent
+    /// one and rough solids on the deformed ones.
     pub fn loads(&self, at: &State, change: &Change) -> Loads {
         let zero = Dual64::from(0.0);
         let mut loads = Loads { fluid: zero, solid: zero, in_real_contact: zero };
@@ -188,9 +189,9 @@ impl System {
             FIXED => zero,
             number => Dual64::new(at.unknowns[number as usize], change.unknowns[number as usize]),
         };
-        let deforms = self.layers[0].tissue.consistent || law.follows_from_gap();
-        // Places of the surface nodes of a body.
-        let places = |body: usize, i: usize| -> [Dual64; 2] {
+        let consistent = self.layers[0].tissue.consistent;
+        // Coordinates of the surface nodes of a body, along x of the deformed or of the undeformed surface.
+        let coordinates = |body: usize, i: usize, deformed: bool| -> [Dual64; 2] {
             let [x, y] = self.layers[body].mesh.nodes[i * levels];
             let opening = value(self.layout.gap[i]) - self.touching_gap[i];
             // Against a rigid counterface the unknowns are seen from there; both bones come half the way.
@@ -199,7 +200,7 @@ impl System {
                 None if self.mirrored() => zero,
                 None => Dual64::new(at.inputs.penetration_depth, change.inputs.penetration_depth) * 0.5,
             };
-            let sideways = if deforms { value(self.layout.horizontal[body][i * levels]) } else { zero };
+            let sideways = if deformed { value(self.layout.horizontal[body][i * levels]) } else { zero };
             [sideways + x, mean + opening * self.surface_part(body, i) + y]
         };
         let weight = 1.0 / self.layers.len() as f64;
@@ -207,36 +208,43 @@ impl System {
         for first in (0..self.stations.len() - 1).step_by(2) {
             let heights = [0, 1, 2].map(|a| height[first + a]);
             let fluid = [0, 1, 2].map(|a| value(self.layout.pressure[0][(first + a) * levels]));
-            let bodies: Vec<[[Dual64; 3]; 2]> = (0..self.layers.len())
-                .map(|body| {
-                    let at = [0, 1, 2].map(|a| places(body, first + a));
-                    [at.map(|place| place[0]), at.map(|place| place[1])]
-                })
-                .collect();
+            let surfaces = |deformed: bool| -> Vec<[[Dual64; 3]; 2]> {
+                let of_body = |body: usize| {
+                    let nodes = [0, 1, 2].map(|a| coordinates(body, first + a, deformed));
+                    [nodes.map(|node| node[0]), nodes.map(|node| node[1])]
+                };
+                (0..self.layers.len()).map(of_body).collect()
+            };
+            let wetted = surfaces(consistent);
             let half = 0.5 * (self.stations[first + 2] - self.stations[first]);
             let dot = |f: [f64; 3], v: &[Dual64; 3]| v[0] * f[0] + v[1] * f[1] + v[2] * f[2];
-            let press = |sum: &mut Resultant, s: f64, pressure: Dual64| {
+            let press = |sum: &mut Resultant, surfaces: &[[[Dual64; 3]; 2]], s: f64, pressure: Dual64| {
                 let slope = quadratic_derivative(s);
                 sum.on_slopes -= pressure * dot(slope, &heights);
-                for (sum, places) in sum.bodies.iter_mut().zip(&bodies) {
-                    for coordinate in places {
+                for (sum, surface) in sum.bodies.iter_mut().zip(surfaces) {
+                    for coordinate in surface {
                         sum.moment += pressure * dot(quadratic(s), coordinate) * dot(slope, coordinate);
                     }
                 }
             };
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
-                press(&mut sum, s, dot(pressure(order, s), &fluid) * w);
+                press(&mut sum, &wetted, s, dot(pressure(order, s), &fluid) * w);
             }
+            // All else is zero of smooth surfaces.
+            if !law.follows_from_gap() {
+                continue;
+            }
+            let touching = surfaces(true);
             for (a, simpson) in SIMPSON.into_iter().enumerate() {
                 let s = a as f64 - 1.0;
                 let gap = (at.gap(self, first + a), self.gap_change(change, first + a));
                 let solid = chain(law.pressure(gap.0), gap.1) * (2.0 * simpson);
-                press(&mut sum, s, solid);
+                press(&mut sum, &touching, s, solid);
                 let real = chain(law.real_contact_fraction(gap.0), gap.1);
                 let rubbing =
                     solid + real * dot(pressure(order, s), &fluid) * (2.0 * simpson * self.parameters.solid_fraction);
                 let slope = quadratic_derivative(s);
-                for (body, [x, y]) in bodies.iter().enumerate() {
+                for (body, [x, y]) in touching.iter().enumerate() {
                     let (along_x, along_y) = (dot(slope, x), dot(slope, y));
                     let length = along_x * along_x + along_y * along_y;
                     sum.rubbing += rubbing * length.sqrt() * weight;
@@ -252,7 +260,7 @@ impl System {
             sum.rubbing += force / self.cosine[i];
             let [before, after] = [i.saturating_sub(1), (i + 1).min(self.stations.len() - 1)];
             for (body, sum) in sum.bodies.iter_mut().take(self.layers.len()).enumerate() {
-                let x = |i: usize| places(body, i)[0];
+                let x = |i: usize| coordinates(body, i, consistent)[0];
                 let stretch = (x(after) - x(before)) / (self.stations[after] - self.stations[before]);
                 sum.moment += force * x(i);
                 sum.rubbing_along_x += force;
