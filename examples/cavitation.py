@@ -67,7 +67,7 @@ def main(fmu=FMU, picture="cavitation.png", depths=DEPTHS, parameters=None):
         name = "never tears" if pressure is None else f"tears at {pressure:.0f} Pa"
         print(
             f"{name:16} load {row['load']:7.3f} N/m, least film {1e6 * row['minimum_film_thickness']:.3f} um, "
-            f"least pressure {row['minimum_fluid_pressure']:8.1f} Pa, torn over {1e3 * row['cavitated_length']:.2f} mm"
+            f"least pressure {row['minimum_fluid_pressure']:8.1f} Pa, cavitated over {1e3 * row['cavitated_length']:.2f} mm"
         )
     if picture:
         draw(results, middle, picture)

@@ -263,7 +263,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(30))]
 
-        /// Against midpoints of 4,000 strips, with the mean stress by bisection. The rule of 16 points misses up to 0.05 % of the viscosity,
+        /// Against midpoints of 4,000 strips, with the mean stress by bisection. The rule of 16 points is off by up to 0.05 % of the viscosity,
         /// and up to 0.4 % of the stress of sliding alone.
         #[test]
         fn sliding_and_pressure_share_the_film(rate_power in -2.0..5.0f64, difference_power in -1.0..3.0f64, index in 0.25..1.0f64) {

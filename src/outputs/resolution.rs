@@ -58,16 +58,16 @@ impl Solved<'_> {
         if largest == 0.0 {
             return Resolution::default();
         }
-        // What straight lines miss of the integral: curvature times length^3 / 12.
-        let (mut missed, mut carried) = (0.0, 0.0);
+        // What straight lines leave out of the integral: curvature times length^3 / 12.
+        let (mut left_out, mut carried) = (0.0, 0.0);
         for i in 1..x.len() - 1 {
             let [before, after] = [x[i] - x[i - 1], x[i + 1] - x[i]];
             let turn = (pressure[i + 1] - pressure[i]) / after - (pressure[i] - pressure[i - 1]) / before;
             let length = 0.5 * (before + after);
-            missed += turn.abs() * length * length / 12.0;
+            left_out += turn.abs() * length * length / 12.0;
             carried += pressure[i].abs() * length;
         }
-        let load_error = missed / carried;
+        let load_error = left_out / carried;
         let mut warnings = Vec::new();
         if load_error > LARGE_ERROR {
             warnings.push(format!(
@@ -178,7 +178,7 @@ impl Solved<'_> {
 }
 
 /// Kink of the film at every end between two elements, and its curvature within one, as changes of thickness over an element \[m\]. A quarter of the smaller
-/// is what the interpolation of the film may miss: each is large alone where a film is flat at rest or bends evenly.
+/// is what the interpolation of the film may leave out: each is large alone where a film is flat at rest or bends evenly.
 fn kinks_and_bends(solved: &Solved<'_>) -> impl Iterator<Item = (usize, [f64; 2])> {
     let system = solved.system;
     let film: Vec<f64> = (0..system.stations.len()).map(|i| solved.state.gap(system, i)).collect();

@@ -310,7 +310,7 @@ macro_rules! results {
 }
 
 // Value references: 485 and on are free for all variables, those from 1000 for profiles, which take 101 each. Those of variables that
-// are no more are in variables.rs.
+// are no more are in src/variables/table.rs.
 results! {
     /// L = L_f + L_s.
     5 load: real(Unit::NewtonPerMetre, 1e3), derived, "Load per unit depth, fluid and solid together";
@@ -380,11 +380,11 @@ results! {
     27 lubrication_regime: choice(Regime), derived, "Lubrication regime";
     28 newton_iterations: integer, absent, "Newton iterations of the last solution, all its sub-steps together";
     29 cavitated_length: real(Unit::Metre, 1e-3), absent,
-        "Length along x over which the film is torn, to half an element; 0 unless cavitation is true";
+        "Length along x over which the film is cavitated, to half an element; 0 unless cavitation is true";
     /// h/sigma at the thinnest place; below 3 the surfaces touch.
     520 film_parameter: real(Unit::One, 1.0), derived, "Least film thickness over surface_roughness; 0 with smooth surfaces";
     521 real_contact_share: real(Unit::One, 0.1), interpolated(KEPT.never_negative()),
-        "Share of the nominal area that is in real contact, a mean weighted with pressure; 0 with smooth surfaces";
+        "Fraction of the nominal area that is in real contact, a mean weighted with pressure; 0 with smooth surfaces";
     522 estimated_load_error: real(Unit::One, 1e-2), absent,
         "Estimated error of the load by the mesh over the load, from the curvature of the pressures between nodes";
     533 estimated_film_error: real(Unit::One, 1e-2), absent,

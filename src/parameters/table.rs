@@ -180,11 +180,14 @@ macro_rules! kind {
     (boolean, $($place:ident).+) => {
         Kind::Boolean { access: |p| &mut p.$($place).+ }
     };
-    // The words stand for the variants of an enumeration, in this order.
+    // The words stand for the variants of an enumeration, in this order; one without a word does not compile.
     (choice($($variant:path => $word:literal: $meaning:literal),+ $(,)?), $($place:ident).+) => {
         Kind::Choice {
             items: &[$(($word, $meaning)),+],
-            get: |p| [$($variant),+].iter().position(|variant| *variant == p.$($place).+).unwrap_or_default(),
+            get: |p| {
+                let ($($variant)|+) = p.$($place).+;
+                [$($variant),+].iter().position(|variant| *variant == p.$($place).+).unwrap_or_default()
+            },
             set: |p, index| {
                 if let Some(variant) = [$($variant),+].get(index) {
                     p.$($place).+ = *variant;
@@ -408,7 +411,7 @@ static JOINT_ROWS: [Parameter; 8] = rows! {
         "Pressure of the stiff core of rough surfaces where the mean planes meet, on top of asperity_pressure";
     506 core_decay: real(Unit::One, 1e-2, 10.0, 0.1), "Decay length of the core's pressure over surface_roughness";
     507 solid_fraction: real(Unit::One, 0.0, 1.0, 0.1),
-        "Share of the fluid's pressure in real contact that boundary friction feels as well (phi of Ateshian; rough surfaces)";
+        "Fraction of the fluid's pressure in real contact that boundary friction feels as well (phi of Ateshian; rough surfaces)";
 };
 
 static DEPTH_ROWS: [Parameter; 26] = body_rows! {
@@ -486,25 +489,25 @@ mod tests {
 
     #[test]
     fn one_row_makes_a_choice_for_each_body() {
-        // Any constants make a choice, numbers too.
-        const SOFT: f64 = 1e5;
-        const STIFF: f64 = 1e6;
         static ROWS: [Parameter; 2] = body_rows! {
-            [900, 901] shear_modulus: choice(SOFT => "soft": "It gives way", STIFF => "stiff": "It does not"), "Stiffness";
+            [900, 901] solid_law: choice(
+                SolidLaw::NeoHookean => "soft": "It gives way",
+                SolidLaw::HolmesMow => "stiff": "It stiffens",
+            ), "Stiffness";
         };
         let names = ROWS.each_ref().map(|row| (row.reference, row.name, row.description));
-        let lower = (901, "lower.shear_modulus", "Stiffness of the lower body");
-        assert_eq!(names, [(900, "upper.shear_modulus", "Stiffness of the upper body"), lower]);
+        let lower = (901, "lower.solid_law", "Stiffness of the lower body");
+        assert_eq!(names, [(900, "upper.solid_law", "Stiffness of the upper body"), lower]);
         let mut parameters = Parameters::default();
         for (row, word) in ROWS.iter().zip(["soft", "stiff"]) {
             row.set(&mut parameters, &Value::Text(word.into())).unwrap();
             assert_eq!(row.get(&parameters), Value::Text(word.into()));
         }
-        assert_eq!((parameters.upper.shear_modulus, parameters.lower.shear_modulus), (SOFT, STIFF));
-        let error = ROWS[1].set(&mut parameters, &Value::Text("firm".into())).unwrap_err().to_string();
-        assert!(
-            error.starts_with("lower.shear_modulus = \"firm\" is not allowed: one of \"soft\", \"stiff\""),
-            "{error}"
+        assert_eq!(
+            (parameters.upper.solid_law, parameters.lower.solid_law),
+            (SolidLaw::NeoHookean, SolidLaw::HolmesMow)
         );
+        let error = ROWS[1].set(&mut parameters, &Value::Text("firm".into())).unwrap_err().to_string();
+        assert!(error.starts_with("lower.solid_law = \"firm\" is not allowed: one of \"soft\", \"stiff\""), "{error}");
     }
 }

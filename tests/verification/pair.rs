@@ -168,7 +168,7 @@ impl Pair {
     }
 
     /// The quadrature points of the interface (pressure of order 2).
-    pub fn places(&self) -> Vec<InterfacePoint> {
+    pub fn interface_points(&self) -> Vec<InterfacePoint> {
         let x = &self.system.stations;
         let levels = self.levels();
         let mut places = Vec::new();

@@ -35,7 +35,7 @@ fn rigid_porous_layers_relieve_the_film() {
         let mut pair = Pair::new(&parameters, true);
         pair.rest_at(-h0);
         pair.go(Inputs { penetration_depth: -h0, sliding_speed: u, slide_to_roll_ratio: 0.0, ..Inputs::NONE });
-        let places = pair.places();
+        let places = pair.interface_points();
         let peak = places.iter().max_by(|a, b| a.pressure.total_cmp(&b.pressure)).unwrap();
         println!("Phi {phi}: P_max {} at {}", peak.pressure / scale, peak.x / length);
         assert_relative_eq!(peak.pressure / scale, p_max, max_relative = 2e-3);
