@@ -64,14 +64,15 @@ pub struct Arguments {
     steps: u32,
 
     /// Most cycles in time
-    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=1000))]
     cycles: u32,
 
     /// Only in time: leave out the steady state of every instant, which a surface at rest does not have before its tissue is drained
     #[arg(long)]
     transient_only: bool,
 
-    /// A cycle repeats the one before where depth, fluid load and solid load differ by less than this fraction of their largest values
+    /// A cycle repeats where depth, fluid load and solid load have less than this fraction of their largest values still to change, as the changes
+    /// from cycle to cycle shrink
     #[arg(long, value_name = "FRACTION", default_value_t = 0.01)]
     periodicity: f64,
 
@@ -83,9 +84,32 @@ pub struct Arguments {
 /// Cycles in time.
 struct Transient {
     cycles: Vec<Vec<State>>,
-    /// Between the last two cycles; none after a single one.
-    change: Option<f64>,
+    /// From each cycle to the next: the largest change of depth, fluid load and solid load, and those of their means, relative to the largest
+    /// depth and load.
+    changes: Vec<(f64, [f64; 3])>,
 }
+
+impl Transient {
+    /// How much the means still have to change, if their changes go on to shrink from cycle to cycle as the last two did.
+    fn remaining(&self, tolerance: f64) -> Option<f64> {
+        let [.., (_, before), (_, last)] = self.changes[..] else { return None };
+        let each = before.into_iter().zip(last).map(|(before, last)| match (before.abs(), last.abs()) {
+            (_, last) if last < SLIGHT * tolerance => last,
+            (before, last) if last < before => last * last / (before - last),
+            _ => f64::INFINITY,
+        });
+        Some(each.fold(0.0, f64::max))
+    }
+
+    fn repeats(&self, tolerance: f64) -> bool {
+        let (change, remaining) = (self.changes.last(), self.remaining(tolerance));
+        change.is_some_and(|(change, _)| *change < tolerance)
+            && remaining.is_some_and(|remaining| remaining < tolerance)
+    }
+}
+
+/// Changes from cycle to cycle below this part of the tolerance need not shrink.
+const SLIGHT: f64 = 0.05;
 
 /// Solves, writes table and picture, prints what came out.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -193,7 +217,7 @@ fn transient(
     // Not at the speed of the first instant: where that is none, the steady state is one of hours, drained.
     let mean = (cycle.speed.iter().map(|speed| speed * speed).sum::<f64>() / cycle.speed.len() as f64).sqrt();
     simulation.solve_steady(Inputs { sliding_speed: mean, ..inputs(given, cycle, 0) })?;
-    let mut found = Transient { cycles: Vec::new(), change: None };
+    let mut found = Transient { cycles: Vec::new(), changes: Vec::new() };
     for count in 0..arguments.cycles as usize {
         bar.set_message(format!("cycle {}", count + 1));
         let start = state(&simulation, cycle, 0, count, None);
@@ -207,34 +231,33 @@ fn transient(
             states.push(state(&simulation, cycle, step, count, states.last().or(Some(&start))));
             bar.inc(1);
         }
-        found.change = found.cycles.last().map(|before| change(before, &states));
+        found.changes.extend(found.cycles.last().map(|before| change(before, &states)));
         found.cycles.push(states);
-        if found.change.is_some_and(|change| change < arguments.periodicity) {
+        if found.repeats(arguments.periodicity) {
             break;
         }
     }
     Ok(found)
 }
 
-/// The largest change of depth, fluid load and solid load from one cycle to the next, relative to the largest depth and load.
-fn change(before: &[State], after: &[State]) -> f64 {
+/// The largest change of depth, fluid load and solid load from one cycle to the next, and those of their means, relative to the largest depth
+/// and load.
+fn change(before: &[State], after: &[State]) -> (f64, [f64; 3]) {
     type Get = fn(&Outputs) -> f64;
     let judged: [(Get, Get); 3] = [
         (|o| o.penetration_depth, |o| o.penetration_depth),
         (|o| o.fluid_load, |o| o.load),
         (|o| o.solid_load, |o| o.load),
     ];
-    let relative = |(get, size): (Get, Get)| {
+    let relative = judged.map(|(get, size)| {
         let size = after.iter().map(|state| size(&state.outputs).abs()).fold(f64::MIN_POSITIVE, f64::max);
         // From the ends, since the first cycle has no start.
-        before
-            .iter()
-            .rev()
-            .zip(after.iter().rev())
-            .map(|(a, b)| (get(&a.outputs) - get(&b.outputs)).abs() / size)
-            .fold(0.0, f64::max)
-    };
-    judged.into_iter().map(relative).fold(0.0, f64::max)
+        let pairs = before.iter().rev().zip(after.iter().rev());
+        let changes: Vec<f64> = pairs.map(|(a, b)| (get(&b.outputs) - get(&a.outputs)) / size).collect();
+        let largest = changes.iter().fold(0.0, |largest: f64, change| largest.max(change.abs()));
+        (largest, changes.iter().sum::<f64>() / changes.len() as f64)
+    });
+    (relative.iter().fold(0.0, |largest: f64, (change, _)| largest.max(*change)), relative.map(|(_, mean)| mean))
 }
 
 /// A steady cycle.
@@ -355,16 +378,25 @@ fn table(transient: &[State], steady: &[State]) -> String {
 fn verdict(transient: &Transient, tolerance: f64) -> String {
     let count = transient.cycles.len();
     let percent = |fraction: f64| format!("{} %", format::number(100.0 * fraction, 3));
-    match transient.change {
-        Some(change) if change < tolerance => {
-            format!("Periodic: cycle {count} differs from the one before by {} at most.\n", percent(change))
+    let Some((last, _)) = transient.changes.last() else {
+        return "One cycle: whether it repeats is not known.\n".into();
+    };
+    let differs = format!("cycle {count} differs from the one before by {} at most", percent(*last));
+    let remaining = transient.remaining(tolerance);
+    let coming = match remaining {
+        Some(remaining) if remaining.is_finite() => {
+            format!("; as changes of its means shrink, some {} are still to come", percent(remaining))
         }
-        Some(change) => format!(
-            "Not periodic: cycle {count} differs from the one before by up to {}, and less than {} was asked for; take more with --cycles.\n",
-            percent(change),
+        Some(_) => "; changes of its means do not shrink".into(),
+        None => String::new(),
+    };
+    match transient.repeats(tolerance) {
+        true => format!("Periodic: {differs}{coming}.\n"),
+        false => format!(
+            "Not periodic: {differs}{coming}. Less than {} was asked for: take more with --cycles; tissue that stays under load drains for \
+             many.\n",
             percent(tolerance)
         ),
-        None => "One cycle: whether it repeats is not known.\n".into(),
     }
 }
 
@@ -405,8 +437,26 @@ mod tests {
     #[test]
     fn cycles_are_compared_by_depth_and_by_who_carries_the_load() {
         let before = states([4e-6, -10e-6], 2.0);
-        assert_eq!(change(&before, &before), 0.0);
-        assert!((change(&before, &states([5e-6, -10e-6], 2.0)) - 0.1).abs() < 1e-12);
-        assert!((change(&before, &states([4e-6, -10e-6], 7.0)) - 0.25).abs() < 1e-12);
+        assert_eq!(change(&before, &before), (0.0, [0.0; 3]));
+        let (largest, means) = change(&before, &states([5e-6, -10e-6], 2.0));
+        assert!((largest - 0.1).abs() < 1e-12 && (means[0] - 0.05).abs() < 1e-12, "{largest} {means:?}");
+        assert!((change(&before, &states([4e-6, -10e-6], 7.0)).0 - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_still_to_come_follows_from_the_last_two_changes() {
+        let transient = |means: &[f64]| Transient {
+            cycles: Vec::new(),
+            changes: means.iter().map(|mean| (mean.abs(), [*mean, 0.0, -0.5 * mean])).collect(),
+        };
+        let remaining = |means: &[f64]| transient(means).remaining(0.01);
+        assert_eq!(remaining(&[0.01]), None);
+        // 0.01 (1/2 + 1/4 + ...)
+        assert!((remaining(&[1.0, 0.02, 0.01]).unwrap() - 0.01).abs() < 1e-12);
+        assert!((remaining(&[0.01, -0.009]).unwrap() - 0.081).abs() < 1e-12);
+        assert_eq!(remaining(&[0.01, 0.02]), Some(f64::INFINITY));
+        assert_eq!(remaining(&[1e-4, 2e-4]), Some(2e-4));
+        assert!(transient(&[0.02, 0.005]).repeats(0.01) && !transient(&[0.006, 0.005]).repeats(0.01));
+        assert!(!transient(&[0.005]).repeats(0.01));
     }
 }
