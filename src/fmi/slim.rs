@@ -1,4 +1,5 @@
-//! The model description for importers that know a part of the standard: all outputs are real numbers, none of them an array.
+//! The model description for importers that know a part of the standard: all outputs are real numbers, none of them an array, and
+//! whatever has a start value has a number.
 //!
 //! The library does not change, and neither do value references and token.
 
@@ -29,7 +30,8 @@ pub fn slim(standard: Standard, xml: &str) -> String {
         if profile || other_output {
             continue;
         }
-        kept += variable;
+        // XML has both spellings; some tools make a number of every start value.
+        kept += &variable.replace(" start=\"true\"", " start=\"1\"").replace(" start=\"false\"", " start=\"0\"");
         let (before, after) = match standard {
             Standard::Fmi2 => ((index + 1).to_string(), (names.len() + 1).to_string()),
             Standard::Fmi3 => {
@@ -107,6 +109,11 @@ mod tests {
             let unknowns = if standard == Standard::Fmi2 { "<Unknown index" } else { "<Output value" };
             let lists = if standard == Standard::Fmi2 { 2 } else { 1 };
             assert_eq!(slim.matches(unknowns).count(), lists * outputs);
+            let starts = slim.split(" start=\"").skip(1).filter_map(|rest| rest.split('"').next());
+            assert!(
+                starts.clone().count() > 20 && starts.clone().all(|start| start.parse::<f64>().is_ok()),
+                "{standard:?}"
+            );
         }
     }
 
