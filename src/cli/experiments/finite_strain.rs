@@ -84,7 +84,7 @@ pub(super) fn dry_contact() -> Result<Row, Error> {
         ),
         picture: Picture {
             title: "Load of a layer on glass, held",
-            axes: [("t k H_A/t^2", Scale::Logarithmic), ("load [N/m]", Scale::Logarithmic)],
+            axes: [("time \u{b7} k H_A / thickness\u{b2} [\u{2212}]", Scale::Logarithmic), ("load [N/m]", Scale::Logarithmic)],
             curves: vec![
                 Curve { label: "NGSolve".into(), origin: Origin::Published, points: PEER.iter().map(|r| (r[0], r[1])).collect() },
                 Curve { label: "ours".into(), origin: Origin::Ours, points: finer },

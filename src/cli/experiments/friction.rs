@@ -111,10 +111,10 @@ pub(super) fn on_glass() -> Result<Row, Error> {
         ) + ".",
         picture: Picture {
             title: "Friction of cartilage on glass",
-            axes: [("time [s]", Scale::Logarithmic), ("friction coefficient", Scale::Linear)],
+            axes: [("time [s]", Scale::Logarithmic), ("friction coefficient [\u{2212}]", Scale::Linear)],
             curves: vec![
                 Curve {
-                    label: "to 0.243 +- 0.044, Krishnan et al.".into(),
+                    label: "to 0.243 \u{b1} 0.044, Krishnan et al.".into(),
                     origin: Origin::Published,
                     points: vec![(920.0, 0.243), (19_870.0, 0.243), (f64::NAN, 0.0), (4560.0, 0.199), (4560.0, 0.287), (f64::NAN, 0.0), (start, 0.01), (100.0, 0.01)],
                 },

@@ -130,10 +130,10 @@ pub(super) fn ankle() -> Result<Row, Error> {
         ) + ".",
         picture: Picture {
             title: "Least film over roughness, ankle",
-            axes: [("viscosity [Pa s]", Scale::Logarithmic), ("h/sigma", Scale::Logarithmic)],
+            axes: [("viscosity [Pa s]", Scale::Logarithmic), ("least film h over roughness \u{3c3} [\u{2212}]", Scale::Logarithmic)],
             curves: vec![
                 Curve {
-                    label: "1 um, Medley".into(),
+                    label: "1 \u{b5}m, Medley".into(),
                     origin: Origin::Published,
                     points: vec![(0.01, 1e-6 / parameters.surface_roughness), (1.0, 1e-6 / parameters.surface_roughness)],
                 },
@@ -174,7 +174,7 @@ pub(super) fn hip() -> Result<Row, Error> {
         ) + ".",
         picture: Picture {
             title: "Least film over roughness, hip",
-            axes: [("viscosity [Pa s]", Scale::Logarithmic), ("h/sigma", Scale::Logarithmic)],
+            axes: [("viscosity [Pa s]", Scale::Logarithmic), ("least film h over roughness \u{3c3} [\u{2212}]", Scale::Logarithmic)],
             curves: vec![
                 Curve {
                     label: "mixed to full film, simulator".into(),

@@ -51,7 +51,7 @@ pub(super) fn undrained() -> Result<Row, Error> {
         verdict: verdict(agrees, "the limit of vanishing permeability is that of an incompressible layer"),
         picture: Picture {
             title: "Load of an undrained layer",
-            axes: [("a/t", Scale::Linear), ("W R/(G a^2)", Scale::Linear)],
+            axes: [("contact half-width a over thickness t [\u{2212}]", Scale::Linear), ("load W R/(G a\u{b2}) [\u{2212}]", Scale::Linear)],
             curves: vec![
                 Curve {
                     label: "bonded layer".into(),
@@ -135,7 +135,7 @@ pub(super) fn pressed_at_rest() -> Result<Row, Error> {
         ),
         picture: Picture {
             title: "Fluid load support after a fast press",
-            axes: [("a/t", Scale::Linear), ("fluid load support", Scale::Linear)],
+            axes: [("contact half-width a over thickness t [\u{2212}]", Scale::Linear), ("fluid load support [\u{2212}]", Scale::Linear)],
             curves: vec![
                 Curve {
                     label: "undrained layer".into(),

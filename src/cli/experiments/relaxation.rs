@@ -86,7 +86,7 @@ pub(super) fn time_constant() -> Result<Row, Error> {
             axes: [("half-width a [mm]", Scale::Logarithmic), ("time [s]", Scale::Logarithmic)],
             curves: vec![
                 Curve {
-                    label: "a^2, Carter et al.".into(),
+                    label: "a\u{b2}, Carter et al.".into(),
                     origin: Origin::Published,
                     points: loads.iter().map(|(a, _)| (1e3 * a, first.1 * (a / first.0).powi(2))).collect(),
                 },

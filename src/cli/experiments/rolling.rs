@@ -76,7 +76,7 @@ pub(super) fn peclet() -> Result<Row, Error> {
         ),
         picture: Picture {
             title: "Fluid load support of rolling layers",
-            axes: [("Pe", Scale::Logarithmic), ("share of the load", Scale::Logarithmic)],
+            axes: [("P\u{e9}clet number Pe [\u{2212}]", Scale::Logarithmic), ("fluid load support [\u{2212}]", Scale::Logarithmic)],
             curves: vec![
                 Curve {
                     label: "Pe/(Pe + 1), Moore and Burris".into(),

@@ -240,12 +240,15 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
         canvas.line(&[(left - 3.5, y), (left, y)], palette::BLACK, 1.0)?;
     }
     let (major, minor) = panel.x.ticks();
-    for (label, x) in panel.x.labels(&major).into_iter().zip(&major).filter_map(|(text, &v)| Some((text, at_x(v)?))) {
+    let labels = panel.x.labels(&major);
+    // Exponents stand above their numbers, and below the axis.
+    let lower = if labels.iter().any(|label| label.contains('^')) { 5.0 } else { 0.0 };
+    for (label, x) in labels.into_iter().zip(&major).filter_map(|(text, &v)| Some((text, at_x(v)?))) {
         canvas.line(&[(x, top), (x, bottom)], grid, 1.0)?;
         canvas.line(&[(x, bottom), (x, bottom + 6.0)], palette::BLACK, 1.2)?;
         if panel.label_x {
             let style = Lettering::plain(TICK_SIZE, HPos::Center, VPos::Top);
-            number(canvas, &label, (x, bottom + 7.0), &style)?;
+            number(canvas, &label, (x, bottom + 7.0 + lower), &style)?;
         }
     }
     for x in minor.iter().filter_map(|&v| at_x(v)) {
@@ -269,7 +272,7 @@ pub fn draw(canvas: &dyn Canvas, frame: Frame, panel: &Panel) -> Result<(), Stri
     canvas.text(&panel.title, (left, top - 7.0), &style)?;
     if panel.label_x {
         let style = Lettering::plain(LABEL_SIZE, HPos::Center, VPos::Top);
-        canvas.text(&panel.x.label, (0.5 * (left + right), bottom + 34.0), &style)?;
+        canvas.text(&panel.x.label, (0.5 * (left + right), bottom + 34.0 + lower), &style)?;
     }
     let style = Lettering { upwards: true, ..Lettering::plain(LABEL_SIZE, HPos::Center, VPos::Bottom) };
     canvas.text(&panel.y.label, (left - 76.0, 0.5 * (top + bottom)), &style)?;
@@ -363,7 +366,7 @@ fn pieces(
 }
 
 /// A line of dashes; (length of a dash, of a gap).
-fn dashed(
+pub fn dashed(
     canvas: &dyn Canvas,
     points: &[(f64, f64)],
     colour: RGBColor,

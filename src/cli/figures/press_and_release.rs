@@ -133,7 +133,7 @@ fn histories(film: &Film) -> Vec<Panel> {
         ),
         panel(
             "Friction coefficient",
-            Axis::logarithmic("\u{3bc} [-]", all(&[&film.friction, &film.fluid_friction], 1.0, log)),
+            Axis::logarithmic("\u{3bc} [\u{2212}]", all(&[&film.friction, &film.fluid_friction], 1.0, log)),
             vec![
                 curve(&film.friction, 1.0, "total", palette::BLACK, false),
                 curve(&film.fluid_friction, 1.0, "fluid alone", palette::BLUE, true),

@@ -31,7 +31,8 @@ fn draw(canvas: &dyn Canvas, model: &ReducedModel, tolerance: &Tolerance) -> Res
     canvas.text("Errors of the real-time model", (40.0, 20.0), &title)?;
     let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
     let text = format!(
-        "at {} states of the full model that the table was not made from; orange: near first touch; vertical lines: what is asked for",
+        "at {} states of the full model that the table was not made from; orange: near first touch; dotted: the error that is asked for, \
+         and the slowest speed of the table",
         model.checks().len()
     );
     canvas.text(&text, (40.0, 58.0), &subtitle)?;
@@ -66,15 +67,17 @@ fn histogram(
         near[bin(&check)] += u32::from(check.near_touch);
     }
     let most = all.iter().copied().max().unwrap_or(0);
-    let mut panel = Panel {
-        title: name.into(),
-        x: Axis::logarithmic("Error [%]", ERRORS),
+    let panel = Panel {
+        title: format!("{name}: {} of {} within {} %", within(checks, error, allowed), checks.len(), 100.0 * allowed),
+        x: Axis::logarithmic("Error [%]; first bar: this and less", ERRORS),
         y: Axis::linear("States", range_of([0.0, f64::from(most.max(1))].into_iter(), panel::Scale::Linear)),
         label_x: true,
         bands: Vec::new(),
-        marks: vec![(100.0 * allowed, palette::BLACK)],
+        marks: Vec::new(),
         lines: Vec::new(),
     };
+    panel::draw(canvas, frame, &panel)?;
+    // Over the grid, and below the mark.
     let edge = |i: usize| ERRORS.0 * 10_f64.powf(i as f64 / BINS_A_DECADE);
     for (counts, colour) in [(all, palette::BLUE), (near, palette::ORANGE)] {
         for (i, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
@@ -85,8 +88,9 @@ fn histogram(
             }
         }
     }
-    panel.title = format!("{name}: {} of {} within", within(checks, error, allowed), checks.len());
-    panel::draw(canvas, frame, &panel)
+    let ends = [0.0, panel.y.range.1].map(|y| panel.place(frame, 100.0 * allowed, y));
+    let [Some(low), Some(high)] = ends else { return Ok(()) };
+    panel::dashed(canvas, &[low, high], palette::BLACK, 2.0, (3.0, 4.0))
 }
 
 fn within(checks: &[Check], error: fn(&Check) -> f64, allowed: f64) -> usize {

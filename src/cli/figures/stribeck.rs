@@ -99,13 +99,13 @@ fn one_speed(table: &Table, radius: f64) -> Vec<Panel> {
         ),
         panel(
             "(b) Lengths",
-            "b, h, |d| [\u{b5}m]",
+            "b, h, \u{b1}d [\u{b5}m]",
             false,
             vec![
                 curve(&contact, 1e6, "contact b", BLACK, false),
                 curve(&overlap, 1e6, "overlap", GREEN, true),
                 curve(&film, 1e6, "film h", BLUE, false),
-                curve(&approach, 1e6, "depth |d|", VERMILION, true),
+                curve(&approach, 1e6, "depth \u{b1}d", VERMILION, true),
             ],
         ),
         panel(
