@@ -1,14 +1,15 @@
 # %% [markdown]
-# The Stribeck analysis of de Boer et al. (2020), Figure 3, from Python.
-#
-# Two layers of cartilage slide at 0.2 m/s and are pressed together step by step: from a full film to contact. Run this
-# file as a script, or cell by cell in an editor that knows `# %%` (Jupyter with jupytext, VS Code, Spyder).
-#
-#     pip install fmpy matplotlib
-#     cargo run --release            # writes the FMU
-#     python examples/stribeck.py    # half a minute; writes stribeck.png
-#
-# The mesh is coarser than the paper's; `MESH = {}` takes the FMU's own, which is good to a few tenths of a percent of load.
+"""The Stribeck analysis of de Boer et al. (2020), Figure 3, from Python.
+
+Two layers of cartilage slide at 0.2 m/s and are pressed together step by step: from a full film to contact. Run this
+file as a script, or cell by cell in an editor that knows `# %%` (Jupyter with jupytext, VS Code, Spyder).
+
+    pip install fmpy matplotlib
+    cargo run --release            # writes the FMU
+    python examples/stribeck.py    # half a minute; writes stribeck.png
+
+The mesh is coarser than the paper's; `MESH = {}` takes the FMU's own, which is good to a few tenths of a percent of load.
+"""
 
 # %%
 from start import FMU, needs, options, tell
