@@ -105,4 +105,4 @@ def main(fmu=FMU, mesh=MESH, depths=DEPTHS, picture="stribeck.png"):
 
 
 if __name__ == "__main__":
-    main(**options("The Stribeck analysis of de Boer et al. (2020), Figure 3.", picture="stribeck.png"))
+    main(**options(__doc__, picture="stribeck.png"))
