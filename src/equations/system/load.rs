@@ -269,10 +269,11 @@ impl System {
             }
         }
         if self.layers.len() == 1 {
-            // A mirror image is as its original; a rigid counterface feels the same, and does not stretch.
+            // A mirror image is on the other side of the middle; a rigid counterface feels the same, and does not stretch.
             sum.bodies[1] = sum.bodies[0];
-            if self.parameters.rigid_lower {
-                sum.bodies[1].rubbing_stretch = sum.rubbing;
+            match self.parameters.rigid_lower {
+                true => sum.bodies[1].rubbing_stretch = sum.rubbing,
+                false => sum.bodies[1].rubbing_lever = -sum.bodies[0].rubbing_lever,
             }
         }
         sum
