@@ -12,13 +12,15 @@ use crate::solver::root;
 pub struct Grid {
     /// x of the interface nodes \[m\].
     pub stations: Vec<f64>,
+    /// x of the surface nodes of the undeformed upper and lower body \[m\].
+    pub surfaces: [Vec<f64>; 2],
     /// Depths of the levels below the surface over the thickness, of the upper and the lower body.
     pub depths: [Vec<f64>; 2],
     /// Places of the interface nodes along the arc of the film \[m\].
     pub arc: Vec<f64>,
     /// Cosine of the angle of that arc with the x axis, at the interface nodes.
     pub cosine: Vec<f64>,
-    /// Distance of the undeformed surfaces at first touch, across the arc, at the interface nodes \[m\].
+    /// Distance of these nodes at first touch, across the arc \[m\].
     pub touching_gap: Vec<f64>,
 }
 
@@ -40,11 +42,19 @@ pub fn film_curvature(parameters: &Parameters) -> f64 {
 
 /// Distance of the undeformed surfaces at first touch, along y \[m\].
 fn touching_gap(parameters: &Parameters, x: f64) -> f64 {
-    let height = |body: &Body| {
-        let sine = x * body.curvature();
-        x * sine / (1.0 + (1.0 - sine * sine).sqrt())
-    };
-    height(&parameters.upper) + height(&parameters.lower)
+    height(&parameters.upper, x) + height(&parameters.lower, x)
+}
+
+/// Distance of a body's surface from its tangent at first touch, along y \[m\].
+fn height(body: &Body, x: f64) -> f64 {
+    let sine = x * body.curvature();
+    x * sine / (1.0 + (1.0 - sine * sine).sqrt())
+}
+
+/// The length by which shifts are multiplied \[m\]: they go as the indentation does, with the square of the contact's half-width, over the
+/// curvature.
+pub fn shift_scale(parameters: &Parameters, contact: f64) -> f64 {
+    if moves(parameters) { contact.powi(2) * curvature(parameters).abs() } else { half_width(parameters, contact) }
 }
 
 /// c a^2 of the parabola that has the gap of the two circles at x = a \[m\]: what parabolas of curvature c carry, circles do about as well.
@@ -68,9 +78,10 @@ fn radius(parameters: &Parameters) -> f64 {
     1.0 / parameters.upper.curvature().abs().max(parameters.lower.curvature().abs())
 }
 
-/// The depth at which the contact's half-width is a \[m\].
+/// The depth at which the contact's half-width is a \[m\]. Surfaces that are steep there are pressed across, and their gap is less so.
 fn indentation(parameters: &Parameters, a: f64) -> f64 {
-    curved(parameters, a) * relative_indentation(parameters, a)
+    let sine = (film_curvature(parameters) * a).abs().min(LARGEST_ANGLE.sin());
+    curved(parameters, a) * (1.0 - sine * sine).sqrt() * relative_indentation(parameters, a)
 }
 
 /// About what a contact in motion is like.
@@ -229,8 +240,9 @@ fn row_grading(parameters: &Parameters, body: &Body, rows: i32) -> f64 {
 }
 
 impl Grid {
-    /// The nodes for a contact of this half-width, see [`contact_half_width`].
-    pub fn new(parameters: &Parameters, contact: f64) -> Self {
+    /// The nodes for a contact of this half-width, see [`contact_half_width`], and with the surface nodes of the upper body shifted along x
+    /// against those of the lower one: by these multiples of [`shift_scale`] at the ends of the columns, or not.
+    pub fn new(parameters: &Parameters, contact: f64, shifts: &[f64]) -> Self {
         let p = parameters;
         let half_width = half_width(p, contact);
         let [columns, rows] = p.elements();
@@ -249,14 +261,21 @@ impl Grid {
         });
         let curvature = film_curvature(p);
         let cosine = |x: f64| (1.0 - (x * curvature).powi(2)).sqrt();
+        let scale = shift_scale(p, contact);
+        let surfaces = [0.5, -0.5].map(|side| {
+            let shift = |i: usize| shifts.get(i).map_or(0.0, |shift| side * scale * shift);
+            quadratic_stations(count, |i| stations[2 * i] + shift(i))
+        });
+        let distance = |i: usize| height(&p.upper, surfaces[0][i]) + height(&p.lower, surfaces[1][i]);
         Self {
             arc: stations
                 .iter()
                 .map(|x| if curvature == 0.0 { *x } else { (x * curvature).asin() / curvature })
                 .collect(),
             cosine: stations.iter().map(|x| cosine(*x)).collect(),
-            touching_gap: stations.iter().map(|x| touching_gap(p, *x) * cosine(*x)).collect(),
+            touching_gap: stations.iter().enumerate().map(|(i, x)| distance(i) * cosine(*x)).collect(),
             stations,
+            surfaces,
             depths,
         }
     }

@@ -1,8 +1,8 @@
 //! Which unknown stands where: numbering, and the cells that the linear solver eliminates.
 //!
 //! On the interface both bodies share the pressure, and their vertical displacements are written as
-//! u_y = mean + side/2 (gap - gap of the undeformed surfaces), so that the gap itself is an unknown. A mirror-symmetric pair has
-//! one body and no mean.
+//! u_y = mean + side/2 (gap + rise - gap of the undeformed surfaces), so that the gap itself is an unknown. A mirror-symmetric pair has
+//! one body and no mean; what the rise is says [`crate::equations::facing`].
 
 use crate::fem::element::NODES;
 use crate::fem::mesh::LayerMesh;
@@ -30,6 +30,8 @@ pub struct Layout {
     pub gap: Vec<u32>,
     /// Mean vertical displacement of the two surfaces at each station; none for a mirror-symmetric pair.
     pub mean: Vec<u32>,
+    /// Rise at each station, see [`crate::equations::facing`]; none where surfaces face each other as they do undeformed.
+    pub rise: Vec<u32>,
     /// Horizontal displacement of each node of each body.
     pub horizontal: Vec<Vec<u32>>,
     /// Vertical displacement of each node of each body; on the surface [`FIXED`], see `gap` and `mean`.
@@ -47,8 +49,9 @@ pub struct Layout {
 
 impl Layout {
     /// Numbers the unknowns of one or two layers with the same columns and rows, and of a film that may cavitate or not. With
-    /// `open_ends` the ends of the layers have a pressure of their own, and those of the film too unless it may cavitate.
-    pub fn new(meshes: &[&LayerMesh], cavitates: bool, open_ends: bool) -> Self {
+    /// `open_ends` the ends of the layers have a pressure of their own, and those of the film too unless it may cavitate; with `rises` there
+    /// is a rise at every station.
+    pub fn new(meshes: &[&LayerMesh], cavitates: bool, open_ends: bool, rises: bool) -> Self {
         let (columns, rows, levels) = (meshes[0].columns, meshes[0].rows, meshes[0].levels());
         let stations = 2 * columns + 1;
         let nodes = stations * levels;
@@ -66,6 +69,7 @@ impl Layout {
         };
         let mut gap = Vec::new();
         let mut mean = Vec::new();
+        let mut rise = Vec::new();
         let mut void = Vec::new();
         let mut horizontal = vec![vec![FIXED; nodes]; bodies];
         let mut vertical = horizontal.clone();
@@ -74,6 +78,9 @@ impl Layout {
             gap.push(new(Quantity::Gap));
             if bodies == 2 {
                 mean.push(new(Quantity::Displacement));
+            }
+            if rises {
+                rise.push(new(Quantity::Displacement));
             }
             let shared = if has_pressure(i, 0) { new(Quantity::Pressure) } else { FIXED };
             void.push(if cavitates && shared != FIXED { new(Quantity::Void) } else { FIXED });
@@ -98,6 +105,7 @@ impl Layout {
             quantities,
             gap,
             mean,
+            rise,
             horizontal,
             vertical,
             pressure,
@@ -122,6 +130,9 @@ impl Layout {
                 if bodies == 2 {
                     unknowns.extend_from_slice(&layout.mean[2 * column..2 * column + 3]);
                     unknowns.extend((0..3).map(|a| layout.horizontal[1 - body][element_nodes[a]]));
+                }
+                if rises {
+                    unknowns.extend_from_slice(&layout.rise[2 * column..2 * column + 3]);
                 }
                 // With both bodies, as the pressures are, so that both are eliminated together.
                 if cavitates {

@@ -1,6 +1,7 @@
 //! The weak forms, one a file, and the discrete system that they make up.
 
 pub mod contact;
+pub mod facing;
 pub mod film;
 pub mod film_end;
 pub mod grid;

@@ -159,9 +159,16 @@ impl Solved<'_> {
         let power_error = (passed_on - outputs.rotation_power).abs() / lost;
         if consistent && power_error > LARGE_POWER_ERROR {
             warnings.push(format!(
-                "points that face each other move along the surfaces, each with its own body, which the contact leaves out: forces along x and \
-                 moments on the bones may be off by some {:.0} % of friction; load, depth and friction coefficient are not concerned",
+                "points that face each other before they deform are paired, and move apart along the surfaces: forces along x and moments on the \
+                 bones may be off by some {:.0} % of friction; rough surfaces of two layers are paired as they are deformed",
                 100.0 * power_error
+            ));
+        }
+        let rise = system.neglected_rise(self.state).abs();
+        if consistent && rise > LARGE_ERROR * inputs.penetration_depth.abs() && rise > THINNEST_FILM {
+            warnings.push(format!(
+                "points that face each other before they deform are paired, and move apart along sloping surfaces: the depth may be off by some \
+                 {rise:.1e} m, a given depth's load accordingly; rough surfaces of two layers are paired as they are deformed"
             ));
         }
         if grid::moves(p) {

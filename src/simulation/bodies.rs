@@ -56,7 +56,7 @@ impl Bodies {
     /// The equations of a state, on its mesh.
     pub fn system_of(&mut self, state: &State) -> &mut System {
         let system = self.system(state.mirrored);
-        system.fit(state.contact_half_width, state.thickening);
+        system.fit(state.contact_half_width, &state.shifts, state.thickening);
         system
     }
 
@@ -92,7 +92,7 @@ impl Bodies {
         let inputs = Inputs { penetration_depth: inputs.penetration_depth.min(-CLEARANCE), ..*inputs };
         let contact_half_width = self.contact_half_width(&inputs, Control::Depth);
         let system = self.system(self.may_mirror(&inputs));
-        system.fit(contact_half_width, 1.0);
+        system.fit(contact_half_width, &[], 1.0);
         system.rest(inputs)
     }
 
@@ -100,10 +100,20 @@ impl Bodies {
     pub fn afloat(&mut self, inputs: &Inputs, film: f64, thickening: f64) -> State {
         let contact_half_width = self.contact_half_width(inputs, Control::Depth);
         let system = self.system(self.may_mirror(inputs));
-        system.fit(contact_half_width, thickening);
+        system.fit(contact_half_width, &[], thickening);
         let mut state = State { inputs: *inputs, ..system.rest(*inputs) };
         system.lift(&mut state.unknowns, film);
         state
+    }
+
+    /// A guess of a state in which surface nodes that are paired are at the same place along x, where they are not near enough, see
+    /// [`crate::equations::facing`]. On the way with a thicker fluid that is further off.
+    pub fn paired_anew(&mut self, state: &State) -> Option<State> {
+        /// Over the half-width of the interface.
+        const NEAR: f64 = 3e-4;
+        let system = self.system_of(state);
+        let near = if state.thickening == 1.0 && state.rates.is_none() { NEAR } else { 10.0 * NEAR };
+        (system.pairs_deformed() && system.mismatch(state) > near).then(|| system.paired_anew(state))
     }
 
     /// Newton's method from a guess; and the iterations spent.
@@ -128,11 +138,18 @@ impl Bodies {
         }
         if let Some(rates) = &mut state.rates {
             match mirrored {
-                true => rates.history.volume.truncate(1),
-                false => rates.history.volume.extend_from_within(..),
+                true => {
+                    rates.history.volume.truncate(1);
+                    rates.history.stations.truncate(1);
+                }
+                false => {
+                    rates.history.volume.extend_from_within(..);
+                    rates.history.stations.extend_from_within(..);
+                }
             }
         }
-        State { unknowns: self.converted_values(&state.unknowns, mirrored), mirrored, ..state }
+        let shifts = if mirrored { Vec::new() } else { state.shifts };
+        State { unknowns: self.converted_values(&state.unknowns, mirrored), mirrored, shifts, ..state }
     }
 
     fn converted_values(&mut self, values: &[f64], mirrored: bool) -> Vec<f64> {

@@ -125,7 +125,8 @@ pub(super) fn by_time(bodies: &mut Bodies, last: &Step) -> Result<Outputs, Strin
             let system = bodies.system_of(state);
             let stored_volumes = system.stored_volumes(state);
             let mut history = known.history.combined(1.0, -1.0 / step, &stored_volumes);
-            history.stations = stored_volumes.stations.iter().map(|x| -x / step).collect();
+            let still = |x: &Vec<f64>| x.iter().map(|x| -x / step).collect();
+            history.stations = stored_volumes.stations.iter().map(still).collect();
             let short_step = State { rates: Some(Rates { rate: 1.0 / step, history }), ..state.clone() };
             let [stored, flows] = [state.rates.clone(), None].map(|rates| {
                 let mut residual = Vec::new();

@@ -141,7 +141,7 @@ impl Simulation {
         let Some(Step { state, iterations, drive, duration, .. }) = self.last.clone() else { return Ok(next) };
         let mirrored = state.mirrored && next.bodies.equal();
         let mut state = State { rates: None, ..self.bodies.converted(state, mirrored) };
-        let grid = Grid::new(parameters, state.contact_half_width);
+        let grid = Grid::new(parameters, state.contact_half_width, &state.shifts);
         let system = next.bodies.system(mirrored);
         let (count, contact_law) = (system.unknowns(), system.contact_law());
         if count != state.unknowns.len() || grid.stations.len() != state.active.len() {

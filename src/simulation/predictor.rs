@@ -76,8 +76,8 @@ pub(super) struct Prediction {
 /// The state at the target inputs on the mesh of another contact: each node keeps what it has in proportion to the contact.
 pub(super) fn carry(bodies: &mut Bodies, now: &State, target: &Target, contact: f64, control: Control) -> State {
     let mut guess = State { contact_half_width: contact, thickening: target.thickening, ..now.clone() };
-    let system = bodies.system(now.mirrored);
-    let ratio = system.carry(&mut guess.unknowns, now.contact_half_width, contact);
+    let system = bodies.system_of(now);
+    let ratio = system.carry(&mut guess.unknowns, contact, &now.shifts);
     guess.inputs.penetration_depth *= ratio;
     if control == Control::Depth {
         system.compress(&mut guess.unknowns, target.inputs.penetration_depth - guess.inputs.penetration_depth);

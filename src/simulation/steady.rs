@@ -14,6 +14,8 @@ use crate::solver::{continuation, newton};
 
 /// A tangent is reused for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
 pub(super) const PATIENCE: f64 = 4.0;
+/// How often surface nodes are paired anew in a steady state at most, see [`Bodies::paired_anew`].
+const PAIRINGS: usize = 6;
 /// Most Newton iterations of a step.
 const ITERATIONS: usize = 25;
 /// Most of them with an update larger than the unknowns, where the edges of the contact move with the mesh.
@@ -26,7 +28,8 @@ const THICKENING: f64 = 1000.0;
 /// But not so thick that the film is thicker than about this fraction of the depth: between surfaces that all but conform it would be, and would
 /// hold them together beyond the contact.
 const THICKEST_FILM: f64 = 0.2;
-/// From what depth such a way starts at once, and with a film of what thickness, as fractions of a layer's thickness.
+/// From what depth such a way starts at once, or from a half or a quarter of it, and with a film of what thickness, as fractions of a layer's
+/// thickness.
 const AFLOAT: (f64, f64) = (0.1, 0.02);
 
 /// Fractions of the depth and of the load from which a state is reached that is not from rest.
@@ -130,14 +133,18 @@ fn at_once(bodies: &mut Bodies, inputs: &Inputs, iterations: &mut usize) -> Resu
     let (mut reached, mut ways) = (Steady { state: rest, reusable: None }, vec![apart, pressed]);
     if thickening > 1.0 {
         let thickness = bodies.system(bodies.equal()).thickness();
-        let afloat = Inputs { penetration_depth: depth.min(AFLOAT.0 * thickness), ..*inputs };
-        let guess = bodies.afloat(&afloat, AFLOAT.1 * thickness, thickening);
         // Not from nearby: what was no more than guessed changes by much.
         let settings = newton::Settings { most_large: ITERATIONS, ..settings(bodies) };
-        let (result, spent) = bodies.settle(guess, &Task { control: Control::Depth, settings, reusable: None });
-        *iterations += spent;
-        if let Ok(state) = result {
-            (reached, ways) = (Steady { state, reusable: None }, vec![pressed]);
+        for part in [1.0, 0.5, 0.25] {
+            let afloat = Inputs { penetration_depth: part * depth.min(AFLOAT.0 * thickness), ..*inputs };
+            let guess = bodies.afloat(&afloat, AFLOAT.1 * thickness, thickening);
+            let (result, spent) = bodies
+                .settle(guess, &Task { control: Control::Depth, settings, distance_counts: true, reusable: None });
+            *iterations += spent;
+            if let Ok(state) = result {
+                (reached, ways) = (Steady { state, reusable: None }, vec![pressed]);
+                break;
+            }
         }
     }
     for inputs in ways {
@@ -303,7 +310,21 @@ fn settle(
 ) -> (Result<Steady, String>, usize) {
     let mirrored = guess.mirrored;
     let guess = State { rates: None, ..guess.guess_for(target, control) };
-    let (result, spent) = bodies.settle(guess, &Task { control, settings: settings(bodies), reusable });
+    let thickening = guess.thickening;
+    let (mut result, mut spent) =
+        bodies.settle(guess, &Task { control, settings: settings(bodies), distance_counts: true, reusable });
+    for _ in 0..PAIRINGS {
+        let Some(guess) = result.as_ref().ok().and_then(|state| bodies.paired_anew(state)) else { break };
+        // Not from nearby: the edges of the contact move on the surfaces.
+        let settings = newton::Settings { most_large: ITERATIONS, ..settings(bodies) };
+        let (again, more) = bodies.settle(guess, &Task { control, settings, distance_counts: true, reusable: None });
+        spent += more;
+        if again.is_err() && thickening != 1.0 {
+            // On the way they may stay apart.
+            break;
+        }
+        result = again;
+    }
     let reusable = bodies
         .linearization(mirrored)
         .map(|linearization| Box::new(ReusableTangent { linearization: linearization.clone(), predictor_error: None }));

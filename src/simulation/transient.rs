@@ -46,6 +46,7 @@ impl Motion {
             && self.film_trend.len() == system.stations.len() / 2
             && contact.is_finite()
             && contact >= 0.0
+            && system.admits_shifts(&self.course.shifts)
             && system.admits(&self.course.start)
             && [&self.reusable, &self.course.reusable]
                 .into_iter()
@@ -69,6 +70,8 @@ pub(super) struct Course {
     pub start: State,
     /// What contact the mesh is made for at its end \[m\].
     contact_half_width: f64,
+    /// How the surfaces' nodes are shifted against each other at its end, see [`State::shifts`].
+    shifts: Vec<f64>,
     trend: Trend,
     /// The tangent that it began with.
     reusable: Option<Reusable>,
@@ -81,6 +84,12 @@ impl Course {
     fn contact_half_width(&self, fraction: f64) -> f64 {
         let [from, to] = [self.start.contact_half_width, self.contact_half_width];
         if from == to { from } else { from * (to / from).powf(fraction) }
+    }
+
+    /// How the surfaces' nodes are shifted against each other after a fraction of the step.
+    fn shifts(&self, fraction: f64) -> Vec<f64> {
+        let from = |i: usize| self.start.shifts.get(i).copied().unwrap_or_default();
+        self.shifts.iter().enumerate().map(|(i, to)| from(i) + fraction * (to - from(i))).collect()
     }
 }
 
@@ -162,7 +171,8 @@ impl<'a> TimeStepper<'a> {
         let inputs = &self.drive.at(time);
         let later = formula.time - first.map_or(0.0, |first| first.formula.time);
         let before = first.map_or(&self.state, |first| &first.state);
-        let carried = carried(bodies, before, self.course.contact_half_width(time / self.duration));
+        let fraction = time / self.duration;
+        let carried = carried(bodies, before, self.course.contact_half_width(fraction), self.course.shifts(fraction));
         let mut guess = carried.clone();
         let system = bodies.system_of(&guess);
         let mut update = self.trend.update(formula.time - later, later);
@@ -187,7 +197,7 @@ impl<'a> TimeStepper<'a> {
         let reusable = self.reusable.as_ref().map(|Reusable { linearization, remainder }| {
             (linearization, PredictorEstimate { remainder: *remainder, ..PredictorEstimate::default() })
         });
-        let task = Task { control: parameters.control, settings, reusable };
+        let task = Task { control: parameters.control, settings, distance_counts: true, reusable };
         let (result, iterations) = bodies.settle(guess.guess_for(inputs, parameters.control), &task);
         self.iterations += iterations;
         let state = result?;
@@ -237,11 +247,11 @@ impl Method for TimeStepper<'_> {
 }
 
 /// A guess of the state a little later, on the mesh of the contact then.
-fn carried(bodies: &mut Bodies, state: &State, contact_half_width: f64) -> State {
-    let mut guess = State { contact_half_width, ..state.clone() };
-    if contact_half_width != state.contact_half_width {
-        let system = bodies.system(state.mirrored);
-        let ratio = system.carry(&mut guess.unknowns, state.contact_half_width, contact_half_width);
+fn carried(bodies: &mut Bodies, state: &State, contact_half_width: f64, shifts: Vec<f64>) -> State {
+    let mut guess = State { contact_half_width, shifts, ..state.clone() };
+    if (contact_half_width, &guess.shifts) != (state.contact_half_width, &state.shifts) {
+        let system = bodies.system_of(state);
+        let ratio = system.carry(&mut guess.unknowns, contact_half_width, &guess.shifts);
         guess.inputs.penetration_depth *= ratio;
     }
     guess
@@ -256,9 +266,12 @@ pub(super) fn advance(
     drive: &Drive,
     duration: f64,
 ) -> Result<(State, Motion, usize), Error> {
+    let system = bodies.system_of(from);
+    let shifts = if system.pairs_deformed() { system.wanted_shifts(from) } else { from.shifts.clone() };
     let mut course = Course {
         start: from.clone(),
         contact_half_width,
+        shifts,
         trend: motion.map(|motion| motion.trend.clone()).unwrap_or_default(),
         reusable: motion.and_then(|motion| motion.reusable.clone()),
         steps: Vec::new(),

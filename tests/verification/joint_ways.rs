@@ -16,7 +16,7 @@ fn a_hip_is_loaded_from_rest_at_any_speed() {
         let mut hip = Simulation::new(&case.parameters).unwrap();
         hip.solve_steady(Inputs { applied_load, sliding_speed, ..case.inputs }).unwrap();
         let iterations = hip.outputs().newton_iterations;
-        assert!(iterations < 250, "{applied_load} N/m at {sliding_speed} m/s: {iterations}");
+        assert!(iterations < 400, "{applied_load} N/m at {sliding_speed} m/s: {iterations}");
     }
 }
 

@@ -72,8 +72,9 @@ pub(super) fn mobility(parameters: &Parameters, side: f64) -> f64 {
 
 pub(super) fn sector(parameters: &Parameters, side: f64, grid: &Grid) -> LayerMesh {
     let body = body(parameters, side);
-    let depths: Vec<f64> = grid.depths[usize::from(side < 0.0)].iter().map(|depth| depth * body.thickness).collect();
-    LayerMesh::sector(&grid.stations, &depths, 1.0 / body.curvature(), side, parameters.pressure_order)
+    let lower = usize::from(side < 0.0);
+    let depths: Vec<f64> = grid.depths[lower].iter().map(|depth| depth * body.thickness).collect();
+    LayerMesh::sector(&grid.surfaces[lower], &depths, 1.0 / body.curvature(), side, parameters.pressure_order)
 }
 
 impl Layer {

@@ -193,7 +193,8 @@ impl System {
         // Coordinates of the surface nodes of a body, along x of the deformed or of the undeformed surface.
         let coordinates = |body: usize, i: usize, deformed: bool| -> [Dual64; 2] {
             let [x, y] = self.layers[body].mesh.nodes[i * levels];
-            let opening = value(self.layout.gap[i]) - self.touching_gap[i];
+            let rise = self.layout.rise.get(i).map_or(zero, |number| value(*number));
+            let opening = value(self.layout.gap[i]) + rise - self.touching_gap[i];
             // Against a rigid counterface the unknowns are seen from there; both bones come half the way.
             let mean = match self.layout.mean.get(i) {
                 Some(number) => value(*number),
@@ -216,15 +217,23 @@ impl System {
                 (0..self.layers.len()).map(of_body).collect()
             };
             let wetted = surfaces(consistent);
-            let half = 0.5 * (self.stations[first + 2] - self.stations[first]);
+            let half = |body: usize| {
+                let nodes = &self.layers[body].mesh.nodes;
+                0.5 * (nodes[(first + 2) * levels][0] - nodes[first * levels][0])
+            };
             let dot = |f: [f64; 3], v: &[Dual64; 3]| v[0] * f[0] + v[1] * f[1] + v[2] * f[2];
             let press = |sum: &mut Resultant, surfaces: &[[[Dual64; 3]; 2]], s: f64, pressure: Dual64| {
                 let slope = quadratic_derivative(s);
                 sum.on_slopes -= pressure * dot(slope, &heights);
-                for (sum, surface) in sum.bodies.iter_mut().zip(surfaces) {
-                    for coordinate in surface {
-                        sum.moment += pressure * dot(quadratic(s), coordinate) * dot(slope, coordinate);
-                    }
+                let (here, along) = (|of: &[Dual64; 3]| dot(quadratic(s), of), |of: &[Dual64; 3]| dot(slope, of));
+                for (body, sum) in sum.bodies.iter_mut().take(surfaces.len()).enumerate() {
+                    let [x, y] = &surfaces[body];
+                    // Of facing points with the other body's: half the derivative of the product.
+                    let paired = !self.layout.rise.is_empty();
+                    let other = if paired { &surfaces[1 - body][0] } else { x };
+                    let y = if paired { &heights } else { y };
+                    let moment = (here(x) * along(other) + here(other) * along(x)) * 0.5 + here(y) * along(y);
+                    sum.moment += pressure * moment;
                 }
             };
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
@@ -251,7 +260,7 @@ impl System {
                     let sum = &mut sum.bodies[body];
                     sum.rubbing_along_x += rubbing * along_x;
                     sum.rubbing_lever += rubbing * (y[a] * along_x - x[a] * along_y);
-                    sum.rubbing_stretch += rubbing * length * (self.surface_cosine(body, first + a) / half);
+                    sum.rubbing_stretch += rubbing * length * (self.surface_cosine(body, first + a) / half(body));
                 }
             }
         }

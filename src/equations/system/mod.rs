@@ -2,6 +2,7 @@
 
 mod laws;
 mod load;
+mod pairing;
 mod problem;
 mod residual;
 mod state;
@@ -36,6 +37,9 @@ pub struct System {
     pub layers: Vec<Layer>,
     /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] \[m\].
     contact_half_width: f64,
+    shifts: Vec<f64>,
+    /// See [`Task::distance_counts`].
+    distance_counts: bool,
     thickening: f64,
     /// x of the interface nodes \[m\].
     pub stations: Vec<f64>,
@@ -73,14 +77,16 @@ impl System {
     /// The mesh is made for a contact of this half-width, see [`crate::equations::grid::contact_half_width`].
     pub fn new(parameters: &Parameters, mirrored: bool, contact_half_width: f64) -> Self {
         let p = parameters;
-        let grid = Grid::new(p, contact_half_width);
+        let grid = Grid::new(p, contact_half_width, &[]);
         let mut layers = vec![Layer::new(p, 1.0, &grid)];
         if !mirrored && !p.rigid_lower {
             layers.push(Layer::new(p, -1.0, &grid));
         }
         let meshes: Vec<_> = layers.iter().map(|layer| &layer.mesh).collect();
         let consistent = p.formulation == Formulation::Consistent;
-        let layout = Layout::new(&meshes, p.cavitation, consistent);
+        // Smooth surfaces in contact, and those of the paper, face each other as they do undeformed.
+        let rises = consistent && meshes.len() == 2 && p.surface_roughness > 0.0;
+        let layout = Layout::new(&meshes, p.cavitation, consistent, rises);
         let copies = if mirrored { 2.0 } else { 1.0 };
         let modulus = layers.iter().map(|layer| layer.tissue.solid.aggregate_modulus()).fold(0.0, f64::max);
         let thickness = if p.rigid_lower { p.upper.thickness } else { p.upper.thickness.max(p.lower.thickness) };
@@ -106,6 +112,8 @@ impl System {
         let mut system = Self {
             layers,
             contact_half_width,
+            shifts: Vec::new(),
+            distance_counts: true,
             thickening: 1.0,
             stations: Vec::new(),
             arc: Vec::new(),
@@ -136,10 +144,11 @@ impl System {
 
     /// Takes the mesh along to a contact of this half-width, and the fluid's viscosity, in film and pores, to so many times its own;
     /// what was factorised stays as it was.
-    pub fn fit(&mut self, contact_half_width: f64, thickening: f64) {
-        if self.contact_half_width != contact_half_width {
+    pub fn fit(&mut self, contact_half_width: f64, shifts: &[f64], thickening: f64) {
+        if self.contact_half_width != contact_half_width || self.shifts != shifts {
             self.contact_half_width = contact_half_width;
-            let grid = Grid::new(&self.parameters, contact_half_width);
+            self.shifts = shifts.to_vec();
+            let grid = Grid::new(&self.parameters, contact_half_width, shifts);
             for layer in &mut self.layers {
                 layer.mesh = sector(&self.parameters, layer.side, &grid);
             }
@@ -198,7 +207,8 @@ impl System {
 
     /// The surface of a body in a column.
     fn surface(&self, body: usize, column: usize) -> Surface {
-        Surface::new([0, 1, 2].map(|a| self.surface_part(body, 2 * column + a)), self.layers.len() == 2)
+        let parts = [0, 1, 2].map(|a| self.surface_part(body, 2 * column + a));
+        Surface::new(parts, self.layers.len() == 2, !self.layout.rise.is_empty())
     }
 
     /// What the surface of a body takes along y of an opening of the gap at a station, with its sign.
@@ -209,7 +219,8 @@ impl System {
     /// Cosine of the angle of a body's undeformed surface at a station.
     fn surface_cosine(&self, body: usize, station: usize) -> f64 {
         let curvature = self::body(&self.parameters, self.layers[body].side).curvature();
-        (1.0 - (self.stations[station] * curvature).powi(2)).sqrt()
+        let levels = self.layers[body].mesh.levels();
+        (1.0 - (self.layers[body].mesh.nodes[station * levels][0] * curvature).powi(2)).sqrt()
     }
 
     /// Whether stations can be in one state or another: in contact or not, cavitated or not.
@@ -293,6 +304,7 @@ impl System {
             rates: None,
             mirrored: self.mirrored(),
             contact_half_width: self.contact_half_width,
+            shifts: self.shifts.clone(),
             thickening: self.thickening,
             unknowns,
             active: vec![false; self.stations.len()],
@@ -318,7 +330,8 @@ impl System {
             let level = n % (last + 1);
             local[NODES + a] = if level == 0 {
                 let station = n / (last + 1);
-                let opening = unknowns[layout.gap[station] as usize] - offset * self.touching_gap[station];
+                let rise = layout.rise.get(station).map_or(0.0, |r| unknowns[*r as usize]);
+                let opening = unknowns[layout.gap[station] as usize] + rise - offset * self.touching_gap[station];
                 let mean = layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]);
                 mean + self.surface_part(body, station) * opening
             } else if level == last {
@@ -411,22 +424,34 @@ impl System {
         })
     }
 
-    /// Speeds along x of the mesh at both ends of a column \[m/s\].
-    fn mesh_speeds(&self, rates: Option<&Rates>, column: usize) -> [f64; 2] {
-        let speed = |i: usize| rates.map_or(0.0, |r| r.rate * self.stations[i] + r.history.stations[i]);
+    /// x of the surface nodes of every undeformed body \[m\].
+    fn surfaces(&self) -> Vec<Vec<f64>> {
+        let levels = self.layers[0].mesh.levels();
+        let nodes = |layer: &Layer| layer.mesh.nodes.iter().step_by(levels).map(|node| node[0]).collect();
+        self.layers.iter().map(nodes).collect()
+    }
+
+    /// Speeds along x of a body's mesh at both ends of a column \[m/s\].
+    fn mesh_speeds(&self, body: usize, rates: Option<&Rates>, column: usize) -> [f64; 2] {
+        let (levels, nodes) = (self.layers[0].mesh.levels(), &self.layers[body].mesh.nodes);
+        let speed = |i: usize| rates.map_or(0.0, |r| r.rate * nodes[i * levels][0] + r.history.stations[body][i]);
         [2 * column, 2 * column + 2].map(speed)
     }
 
-    /// Likewise along the arc of the film.
+    /// Those of the film's mesh, halfway between, along its arc.
     fn film_mesh_speeds(&self, rates: Option<&Rates>, column: usize) -> [f64; 2] {
-        let [left, right] = self.mesh_speeds(rates, column);
+        let bodies = self.layers.len();
+        let mean = |end: usize| {
+            (0..bodies).map(|body| self.mesh_speeds(body, rates, column)[end]).sum::<f64>() / bodies as f64
+        };
+        let [left, right] = [mean(0), mean(1)];
         [left / self.cosine[2 * column], right / self.cosine[2 * column + 2]]
     }
 
     /// Surface speeds of a body relative to the mesh at both edges of a column \[m/s\].
     pub fn relative_speeds(&self, body: usize, column: usize, inputs: &Inputs, rates: Option<&Rates>) -> [f64; 2] {
         let speed = inputs.surface_speeds()[body];
-        let [left, right] = self.mesh_speeds(rates, column);
+        let [left, right] = self.mesh_speeds(body, rates, column);
         // Along the arc.
         let along = |station: usize, mesh: f64| speed - mesh / self.surface_cosine(body, station);
         [along(2 * column, left), along(2 * column + 2, right)]

@@ -33,6 +33,9 @@ pub struct Task<'a> {
     pub control: Control,
     /// When to stop.
     pub settings: newton::Settings,
+    /// Whether the distance of paired nodes along the surfaces counts, see [`crate::equations::facing`]. On the way to a state it
+    /// may not, for nodes are paired anew there.
+    pub distance_counts: bool,
     /// Where the tangent was formed that may serve once more, and what the predictor estimated with it.
     pub reusable: Option<(&'a State, PredictorEstimate)>,
 }
@@ -50,7 +53,7 @@ struct Posed<'a> {
 impl System {
     /// Newton's method from a guess; and the iterations spent. The last factorisation is near the solution, not at it.
     pub fn settle(&mut self, guess: State, task: &Task<'_>) -> (Result<State, String>, usize) {
-        self.fit(guess.contact_half_width, guess.thickening);
+        self.fit(guess.contact_half_width, &guess.shifts, guess.thickening);
         let load = match task.control {
             Control::Depth => None,
             Control::Load => Some(LoadBalance { given: guess.inputs.applied_load, thickness: self.thickness }),
@@ -59,7 +62,10 @@ impl System {
         unknowns.extend(load.map(|_| guess.inputs.penetration_depth));
         let mut problem =
             Posed { system: self, state: guess, load, deadline: task.settings.deadline, reusable: task.reusable };
-        match newton::solve(&mut problem, &mut unknowns, &mut Vec::new(), &task.settings) {
+        problem.system.distance_counts = task.distance_counts;
+        let result = newton::solve(&mut problem, &mut unknowns, &mut Vec::new(), &task.settings);
+        problem.system.distance_counts = true;
+        match result {
             Err(failure) => (Err(failure.reason), failure.iterations),
             Ok(newton::Solution { iterations, remainder }) => {
                 problem.take(&unknowns);
@@ -85,10 +91,10 @@ impl System {
 
     /// Does something on the mesh of a state, and returns to the present one.
     fn on_mesh_of<T>(&mut self, state: &State, action: impl FnOnce(&mut Self) -> T) -> T {
-        let present = (self.contact_half_width, self.thickening);
-        self.fit(state.contact_half_width, state.thickening);
+        let present = (self.contact_half_width, self.shifts.clone(), self.thickening);
+        self.fit(state.contact_half_width, &state.shifts, state.thickening);
         let result = action(self);
-        self.fit(present.0, present.1);
+        self.fit(present.0, &present.1, present.2);
         result
     }
 

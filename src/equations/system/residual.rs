@@ -2,8 +2,10 @@
 
 use super::{Change, State, StoredVolumes, System, moves};
 use crate::equations::contact::ContactTerms;
+use crate::equations::facing;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
+use crate::fem::assembly::scatter;
 use crate::solver::linear::FIXED;
 
 impl System {
@@ -24,7 +26,7 @@ impl System {
             let length = self.film_length(column);
             self.film.mass(&self.film_local(column, unknowns)).map(|mass| mass * length)
         });
-        StoredVolumes { volume: volume.collect(), film: film.collect(), stations: self.stations.clone() }
+        StoredVolumes { volume: volume.collect(), film: film.collect(), stations: self.surfaces() }
     }
 
     /// How [`System::stored_volumes`] change along a change of the state.
@@ -48,7 +50,11 @@ impl System {
             let [at, change] = [unknowns, &change.unknowns].map(|values| self.film_local(column, values));
             self.film.mass_change(&at, &change).map(|change| change * length)
         });
-        StoredVolumes { volume: volume.collect(), film: film.collect(), stations: vec![0.0; self.stations.len()] }
+        StoredVolumes {
+            volume: volume.collect(),
+            film: film.collect(),
+            stations: vec![vec![0.0; self.stations.len()]; self.layers.len()],
+        }
     }
 
     /// Adds what a change of the rates of volume and mass does to the residual.
@@ -105,6 +111,10 @@ impl System {
             let at = self.film_local(column, unknowns);
             let terms = self.film.element(self.film_length(column), &at, speeds, &self.mass_rate(rates, column));
             self.scatter_film(column, terms.residual, values);
+            if let Some(facing) = self.facing(column) {
+                let terms = facing.terms(&self.facing_local(column, unknowns));
+                scatter(&terms.residual, &self.facing_numbers(column)[facing::ROWS], values);
+            }
         }
         Ok(())
     }

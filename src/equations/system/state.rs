@@ -18,6 +18,8 @@ pub struct State {
     pub mirrored: bool,
     /// What contact the mesh is made for, see [`crate::equations::grid::contact_half_width`] \[m\].
     pub contact_half_width: f64,
+    /// How far the upper surface's nodes are shifted against the lower one's on that mesh, see [`crate::equations::grid::Grid::new`].
+    pub shifts: Vec<f64>,
     /// How many times its own viscosity the fluid has, in film and pores: 1 but on the way to a state.
     pub thickening: f64,
     /// The unknowns.
@@ -75,8 +77,8 @@ pub struct StoredVolumes {
     pub volume: Vec<Vec<[f64; POINTS]>>,
     /// Fluid r h of the film times the length of its element \[m^2\].
     pub film: Vec<[f64; 3]>,
-    /// x of the stations, whose rates are the speed of the mesh \[m\].
-    pub stations: Vec<f64>,
+    /// x of the surface nodes of every undeformed body, whose rates are the speed of its mesh \[m\].
+    pub stations: Vec<Vec<f64>>,
 }
 
 impl Linear for StoredVolumes {
@@ -90,7 +92,12 @@ impl Linear for StoredVolumes {
                 .map(|(x, y)| x.iter().zip(y).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect())
                 .collect(),
             film: self.film.iter().zip(&other.film).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect(),
-            stations: self.stations.iter().zip(&other.stations).map(|(x, y)| mix(*x, *y)).collect(),
+            stations: self
+                .stations
+                .iter()
+                .zip(&other.stations)
+                .map(|(x, y)| x.iter().zip(y).map(|(x, y)| mix(*x, *y)).collect())
+                .collect(),
         }
     }
 }
@@ -113,17 +120,25 @@ impl Rates {
 }
 
 impl System {
+    /// Whether shifts are those of a mesh with as many columns.
+    pub fn admits_shifts(&self, shifts: &[f64]) -> bool {
+        (shifts.is_empty() || shifts.len() == self.layers[0].mesh.columns + 1)
+            && shifts.iter().all(|shift| shift.is_finite())
+    }
+
     /// Whether a state is one of these equations, on any mesh.
     pub fn admits(&self, state: &State) -> bool {
         let stations = self.stations.len();
         let stored = |volumes: &StoredVolumes| {
-            volumes.stations.len() == stations
+            volumes.stations.len() == self.layers.len()
+                && volumes.stations.iter().all(|x| x.len() == stations)
                 && volumes.film.len() == (stations - 1) / 2
                 && volumes.volume.iter().map(Vec::len).eq(self.layers.iter().map(|layer| layer.mesh.elements()))
         };
         state.mirrored == self.mirrored()
             && state.contact_half_width.is_finite()
             && state.contact_half_width >= 0.0
+            && self.admits_shifts(&state.shifts)
             && state.unknowns.len() == self.unknowns()
             && state.active.len() == stations
             && state.contact_forces.len() == stations

@@ -3,6 +3,7 @@
 use super::{Rates, State, StoredVolumes, System, moves};
 use crate::equations::contact::ContactTerms;
 use crate::equations::inflow;
+use crate::equations::surface::RISE;
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
 use crate::fem::element::NODES;
 use crate::parameters::Inputs;
@@ -114,8 +115,8 @@ impl System {
     /// # Errors
     /// [`Singular`] where the answer is not finite, or wrong.
     pub fn solve(&self, right_hand_sides: &mut [f64]) -> Result<(), Singular> {
-        let here = (self.contact_half_width, self.thickening);
-        match self.linearization().filter(|state| (state.contact_half_width, state.thickening) == here) {
+        let here = (self.contact_half_width, &self.shifts, self.thickening);
+        match self.linearization().filter(|state| (state.contact_half_width, &state.shifts, state.thickening) == here) {
             Some(state) => self.linear.solve_refined(right_hand_sides, &self.layout.cells, |cell, matrix| {
                 self.cell_tangent(cell, state, matrix);
             }),
@@ -233,6 +234,17 @@ impl System {
                     matrix[(2 * NODES + b) * m + 2 * NODES + a] += terms.tangent[a][3 + b] / self.copies();
                     if self.film.cavitates {
                         matrix[(m - 3 + b) * m + 2 * NODES + a] += terms.tangent[a][6 + b] / self.copies();
+                    }
+                }
+            }
+            if let Some(facing) = self.facing(column) {
+                let terms = facing.terms(&self.facing_local(column, unknowns));
+                let place = |group: usize| [0, LOCAL + 3, LOCAL, RISE, 2 * NODES, NODES][group];
+                for (unknown, values) in terms.tangent.iter().enumerate() {
+                    let column = &mut matrix[(place(unknown / 3) + unknown % 3) * m..][..m];
+                    for a in 0..3 {
+                        column[LOCAL + a] += values[a];
+                        column[RISE + a] += values[3 + a];
                     }
                 }
             }

@@ -16,7 +16,7 @@ fn find(stations: &[f64], x: f64) -> (usize, f64) {
 impl System {
     /// The unknowns on another mesh of as many elements. Beyond the present sector everything is as at its end.
     pub fn interpolated(&self, unknowns: &[f64], grid: &Grid) -> Vec<f64> {
-        let present = Grid::new(&self.parameters, self.contact_half_width);
+        let present = Grid::new(&self.parameters, self.contact_half_width, &self.shifts);
         let mut result = vec![0.0; unknowns.len()];
         let levels = self.layers[0].mesh.levels();
         let order = self.layers[0].mesh.pressure_order;
@@ -42,8 +42,18 @@ impl System {
             if let Some(mean) = layout.mean.get(station) {
                 put(*mean, sum(quadratic(s), &|i| layout.mean[i]));
             }
+            if let Some(rise) = layout.rise.get(station) {
+                put(*rise, sum(quadratic(s), &|i| layout.rise[i]));
+            }
             put(layout.void[station], sum(pressure(order, s), &|i| layout.void[i]).max(0.0));
             for body in 0..self.layers.len() {
+                let (first, s) = find(&present.surfaces[body], grid.surfaces[body][station]);
+                let sum = |shape: [f64; 3], number: &dyn Fn(usize) -> u32| -> f64 {
+                    (0..3)
+                        .filter(|a| number(first + a) != FIXED)
+                        .map(|a| shape[a] * unknowns[number(first + a) as usize])
+                        .sum()
+                };
                 for (level, depth) in grid.depths[body].iter().enumerate() {
                     let node = station * levels + level;
                     let (surface, t) = find(&present.depths[body], *depth);

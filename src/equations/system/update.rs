@@ -23,14 +23,17 @@ impl System {
         }
     }
 
-    /// A guess for another contact, from unknowns on the mesh of a contact of half-width `from`: each node keeps what it has, scaled
+    /// A guess on the mesh of another contact or with other shifts, from unknowns on the present one: each node keeps what it has, scaled
     /// as the indentation goes with the square of the half-width. Inside, the film stays about as thick as it was.
     /// Returns by how much indentations grow.
-    pub fn carry(&self, unknowns: &mut [f64], from: f64, to: f64) -> f64 {
+    pub fn carry(&self, unknowns: &mut [f64], contact_half_width: f64, shifts: &[f64]) -> f64 {
         /// Distances above this are gaps of bodies apart, below it films \[m\].
         const FILM: f64 = 1e-5;
-        let [before, after] = [from, to].map(|a| Grid::new(&self.parameters, a).touching_gap);
-        let ratio = (to / from).powi(2);
+        let after = Grid::new(&self.parameters, contact_half_width, shifts).touching_gap;
+        let ratio = match self.contact_half_width == contact_half_width {
+            true => 1.0,
+            false => (contact_half_width / self.contact_half_width).powi(2),
+        };
         for (number, quantity) in self.layout.quantities.iter().enumerate() {
             if *quantity == Quantity::Displacement {
                 unknowns[number] *= ratio;
@@ -39,7 +42,7 @@ impl System {
         for (station, number) in self.layout.gap.iter().enumerate() {
             let gap = &mut unknowns[*number as usize];
             // What deformed stays in proportion, and the rest follows the undeformed surfaces.
-            let proportional = after[station] + ratio * (*gap - before[station]);
+            let proportional = after[station] + ratio * (*gap - self.touching_gap[station]);
             *gap = if *gap > FILM { proportional.max(FILM) } else { *gap };
             let correction = *gap - proportional;
             self.follow(station, correction, unknowns);
@@ -83,7 +86,7 @@ impl System {
     }
 
     /// Moves the tissue below a station by what its gap was changed, less and less towards the bone.
-    fn follow(&self, station: usize, opening: f64, unknowns: &mut [f64]) {
+    pub(super) fn follow(&self, station: usize, opening: f64, unknowns: &mut [f64]) {
         for (body, (vertical, heights)) in self.layout.vertical.iter().zip(&self.height).enumerate() {
             let column = &vertical[station * heights.len()..(station + 1) * heights.len()];
             for (number, height) in column.iter().zip(heights).filter(|(n, _)| **n != FIXED) {

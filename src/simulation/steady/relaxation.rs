@@ -42,11 +42,11 @@ impl Motion for Relaxation<'_> {
             let approach = given.inputs.penetration_depth - state.inputs.penetration_depth;
             bodies.system(state.mirrored).compress(&mut guess.unknowns, approach);
         }
-        let task = Task { control: *control, settings: self.settings, reusable: None };
+        let task = Task { control: *control, settings: self.settings, distance_counts: false, reusable: None };
         let (result, iterations) = bodies.settle(guess, &task);
         let moved = result.map(|solved| {
-            self.stored_volumes = bodies.system_of(&solved).stored_volumes(&solved);
-            self.state = solved;
+            self.state = bodies.paired_anew(&solved).unwrap_or(solved);
+            self.stored_volumes = bodies.system_of(&self.state).stored_volumes(&self.state);
         });
         (moved, iterations)
     }
