@@ -390,7 +390,7 @@ results! {
     533 estimated_film_error: real(Unit::One, 1e-2), absent,
         "Estimated error of the least film thickness by the mesh over that thickness, from kinks of the film between elements where it is thin";
     534 estimated_friction_error: real(Unit::One, 1e-2), absent,
-        "Estimated error of the film's rolling friction by the mesh over the larger friction force";
+        "Estimated error of the film's rolling friction, and of the boundary friction of smooth surfaces, by the mesh over the larger friction force";
     523 well_resolved: boolean, absent,
         "Whether mesh and sector are fine and wide enough for these results; a warning says what is not";
     524 mesh_columns: integer, absent, "Elements along the surface of these results";

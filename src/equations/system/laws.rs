@@ -78,6 +78,12 @@ pub(super) fn sector(parameters: &Parameters, side: f64, grid: &Grid) -> LayerMe
 }
 
 impl Layer {
+    /// Height of the uppermost elements \[m\].
+    pub fn surface_row(&self) -> f64 {
+        let [surface, below] = [self.mesh.nodes[0], self.mesh.nodes[2]];
+        (below[0] - surface[0]).hypot(below[1] - surface[1])
+    }
+
     pub(super) fn new(parameters: &Parameters, side: f64, grid: &Grid) -> Self {
         let body = body(parameters, side);
         let consistent = parameters.formulation == Formulation::Consistent;

@@ -311,3 +311,14 @@ impl System {
             .sum()
     }
 }
+
+impl System {
+    /// Fluid that a column of the film takes from the tissue at those of its stations where it is closed, of both bodies \[m^2/s\]: only a column that is
+    /// open elsewhere does, and the less the shorter it is.
+    pub fn exchange_in_contact(&self, at: &State, column: usize) -> f64 {
+        let local = self.film_local(column, &at.unknowns);
+        let rate = self.mass_rate(at.rates.as_ref(), column);
+        let terms = self.film.element(self.film_length(column), &local, at.inputs.surface_speeds(), &rate);
+        terms.residual.iter().zip(&at.active[2 * column..]).filter(|(_, active)| **active).map(|(flux, _)| flux).sum()
+    }
+}

@@ -237,7 +237,7 @@ impl System {
     }
 
     /// Contact at these speeds. A mirrored pair has no boundary friction on the tissue: it would break the symmetry.
-    fn contact(&self, inputs: &Inputs) -> Contact {
+    pub fn contact(&self, inputs: &Inputs) -> Contact {
         let (friction, friction_by_speeds) = match self.mirrored() {
             true => (0.0, [0.0; 2]),
             false => boundary_friction(&self.parameters, inputs),
