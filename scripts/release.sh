@@ -137,7 +137,8 @@ for platform in "${platforms[@]}"; do
     cp "$folder/$program" "$library" "$native"
     # Of this platform alone: on ARM Linux, FMPy looks where Intel's library is in the FMU of all.
     "$built/release/cartilage-contact" package --library "$library" --output "$native/CartilageLineContact.fmu"
-    rm -rf "$built/python"
+    # Where setup.py gathers the files: those of the platform before would go into this wheel too.
+    rm -rf target/python
     CARTILAGE_CONTACT_BUILT=$(realpath "$native") python3 -m pip wheel --quiet --no-deps --wheel-dir "$output" \
         --config-settings="--build-option=--plat-name=$tag" .
 done
