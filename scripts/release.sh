@@ -16,6 +16,7 @@ GLIBC=2.17
 ZIG=0.17.1
 CARGO_ZIGBUILD=0.24.0
 FUNCTIONS=109 # 34 of FMI 2.0 co-simulation, 75 of FMI 3.0
+LARGEST=6000000 # bytes of a library for one processor
 built=${CARGO_TARGET_DIR:-target}
 tools=$built/release-tools
 output=$built/release-files
@@ -44,12 +45,21 @@ can_build() {
 }
 
 # The library, without what only the program needs, in a folder of its own: TARGET, FILE. Building the program writes over the other.
+# For Windows and macOS it is optimised as a whole, so that Rust leaves out what nothing calls. On Linux the linker does that; there it
+# cannot, because all functions are exported (cargo-zigbuild or zig drops Rust's list of exports), and on Windows they share sections too.
 build_library() {
-    local target=${1%.2.*}
-    cargo zigbuild --release --locked --lib --no-default-features --target "$1"
+    local target=${1%.2.*} size
+    if [[ $target == *linux* ]]; then
+        cargo zigbuild --release --locked --lib --no-default-features --target "$1"
+    else
+        CARGO_PROFILE_RELEASE_LTO=fat cargo-zigbuild rustc --release --locked --lib --crate-type cdylib --no-default-features --target "$1"
+    fi
     mkdir -p "$built/release-libraries/$target"
     library=$built/release-libraries/$target/$2
     cp "$built/$target/release/$2" "$library"
+    size=$(wc -c <"$library")
+    echo "$target: $size bytes"
+    [ "$size" -le "$LARGEST" ]
 }
 
 # Whether a table of symbols has all functions of both standards.
@@ -119,7 +129,14 @@ fi
 target=universal2-apple-darwin
 if can_build darwin x86_64-apple-darwin aarch64-apple-darwin; then
     export MACOSX_DEPLOYMENT_TARGET=11.0
-    build_library "$target" libcartilage_contact.dylib
+    halves=()
+    for half in x86_64 aarch64; do
+        build_library "$half-apple-darwin" libcartilage_contact.dylib
+        halves+=("$library")
+    done
+    mkdir -p "$built/release-libraries/$target"
+    library=$built/release-libraries/$target/libcartilage_contact.dylib
+    python3 scripts/universal.py "$library" "${halves[@]}"
     # Both halves have to have them: their symbols are text with an underscore in front, once a half.
     strings -n 8 "$library" | grep -xE '_fmi[23][A-Z][A-Za-z0-9]+' | sort | uniq -d | sed 's/^_//' | has_functions "$target"
     left_out+=("a run of the darwin library: this is no macOS")
@@ -137,7 +154,8 @@ for platform in "${platforms[@]}"; do
     cp "$folder/$program" "$library" "$native"
     # Of this platform alone: on ARM Linux, FMPy looks where Intel's library is in the FMU of all.
     "$built/release/cartilage-contact" package --library "$library" --output "$native/CartilageLineContact.fmu"
-    rm -rf "$built/python"
+    # Where setup.py gathers the files: those of the platform before would go into this wheel too.
+    rm -rf target/python
     CARTILAGE_CONTACT_BUILT=$(realpath "$native") python3 -m pip wheel --quiet --no-deps --wheel-dir "$output" \
         --config-settings="--build-option=--plat-name=$tag" .
 done

@@ -91,7 +91,9 @@ impl Unit {
             }
             Self::PascalSecond => &[DisplayUnit { name: "mPa.s", factor: 1e3 }],
             Self::Newton => &[DisplayUnit { name: "mN", factor: 1e3 }, DisplayUnit { name: "kN", factor: 1e-3 }],
-            Self::NewtonPerMetre => &[DisplayUnit { name: "N/um", factor: 1e-6 }],
+            Self::NewtonPerMetre => {
+                &[DisplayUnit { name: "kN/m", factor: 1e-3 }, DisplayUnit { name: "N/um", factor: 1e-6 }]
+            }
             Self::SquareMetrePerSecond => {
                 &[DisplayUnit { name: "mm2/s", factor: 1e6 }, DisplayUnit { name: "um2/s", factor: 1e12 }]
             }

@@ -362,6 +362,34 @@ mod tests {
         assert_eq!(shown("width"), None);
         assert_eq!(shown("upper.bulk_modulus"), Some("MPa"));
         assert_eq!(shown("sector_half_angle"), Some("deg"));
-        assert_eq!(shown("load"), None);
+        assert_eq!(shown("upper.outer_radius"), Some("mm"));
+        assert_eq!(shown("load"), Some("kN/m"));
+    }
+
+    #[test]
+    fn the_si_unit_is_shown_where_values_read_best_in_it() {
+        let mut in_si: Vec<_> = VARIABLES
+            .iter()
+            .filter(|row| row.data_type() == Type::Real && row.unit != Unit::One && row.display_unit().is_none())
+            .map(|row| (row.unit.name(), row.name))
+            .collect();
+        in_si.sort();
+        let expected = [
+            ("N", "lower_force_x"),
+            ("N", "lower_friction_force"),
+            ("N", "upper_force_x"),
+            ("N", "upper_friction_force"),
+            ("N.m", "lower_moment"),
+            ("N.m", "upper_moment"),
+            ("N.m/m", "load_moment"),
+            ("N/m", "tangential_load"),
+            ("Pa.s", "zero_shear_viscosity"),
+            ("m", "width"),
+            ("m/s", "sliding_speed"),
+            ("s", "maximum_internal_step"),
+            ("s", "maximum_solve_time"),
+            ("s", "relaxation_time"),
+        ];
+        assert_eq!(in_si, expected);
     }
 }

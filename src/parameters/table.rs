@@ -251,7 +251,7 @@ macro_rules! body_rows {
 }
 
 static BODY_ROWS: [Parameter; 12] = body_rows! {
-    [434, 435] outer_radius: real(Unit::Metre, -1e3, 1e3, 0.1),
+    [434, 435] outer_radius: real(Unit::Metre, -1e3, 1e3, 0.03),
         "Radius of the undeformed articular surface, below 0 for a concave and 0 for a flat one,";
     [436, 437] thickness: real(Unit::Metre, 1e-5, 1e-1, 1e-3), "Thickness of the cartilage layer";
     [438, 439] shear_modulus: real(Unit::Pascal, 1e2, 1e10, 1e6), "Drained shear modulus";

@@ -82,7 +82,7 @@ def test_display_units_run_from_si(description):
         for display in unit.displayUnits:
             expected = {"mm": 1e3, "um": 1e6, "mm/s": 1e3, "deg": 180 / math.pi, "kPa": 1e-3, "MPa": 1e-6, "um2": 1e12,
                         "mm2": 1e6, "1/MPa": 1e6, "1/GPa": 1e9, "mPa.s": 1e3, "mN": 1e3, "kN": 1e-3,
-                        "N/um": 1e-6, "mm2/s": 1e6, "um2/s": 1e12, "ms": 1e3, "N.mm": 1e3, "N.mm/mm": 1, "mW": 1e3, "mJ": 1e3,
+                        "N/um": 1e-6, "kN/m": 1e-3, "mm2/s": 1e6, "um2/s": 1e12, "ms": 1e3, "N.mm": 1e3, "N.mm/mm": 1, "mW": 1e3, "mJ": 1e3,
                         "mm4/(N.s)": 1e12}
             assert float(display.factor) == pytest.approx(expected[display.name], rel=1e-12)
 
