@@ -109,10 +109,10 @@ impl Facing {
             terms.tangent[RISE + a][row] += weight * along / self.cosine[a];
             terms.tangent[UPPER + a][row] -= count * weight * up;
             terms.tangent[LOWER + a][row] += count * weight * up;
-            for b in 0..3 {
-                terms.tangent[UPPER + b][row] += weight * 0.5 * vertical * slope[b];
-                terms.tangent[LOWER + b][row] += weight * 0.5 * vertical * slope[b];
-                terms.tangent[MEAN + b][row] -= weight * apart[a] * slope[b];
+            for (b, slope) in slope.into_iter().enumerate() {
+                terms.tangent[UPPER + b][row] += weight * 0.5 * vertical * slope;
+                terms.tangent[LOWER + b][row] += weight * 0.5 * vertical * slope;
+                terms.tangent[MEAN + b][row] -= weight * apart[a] * slope;
             }
         }
         terms

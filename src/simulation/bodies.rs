@@ -108,12 +108,12 @@ impl Bodies {
 
     /// A guess of a state in which surface nodes that are paired are at the same place along x, where they are not near enough, see
     /// [`crate::equations::facing`]. On the way with a thicker fluid that is further off.
-    pub fn paired_anew(&mut self, state: &State) -> Option<State> {
+    pub fn paired_anew(&mut self, state: &State, part: f64) -> Option<State> {
         /// Over the half-width of the interface.
         const NEAR: f64 = 3e-4;
         let system = self.system_of(state);
         let near = if state.thickening == 1.0 && state.rates.is_none() { NEAR } else { 10.0 * NEAR };
-        (system.pairs_deformed() && system.mismatch(state) > near).then(|| system.paired_anew(state))
+        (system.pairs_deformed() && system.mismatch(state) > near).then(|| system.paired_anew(state, part))
     }
 
     /// Newton's method from a guess; and the iterations spent.

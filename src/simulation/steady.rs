@@ -15,7 +15,9 @@ use crate::solver::{continuation, newton};
 /// A tangent is reused for as many Newton iterations as cost about as much as its factorisation, see [`newton::Settings::patience`].
 pub(super) const PATIENCE: f64 = 4.0;
 /// How often surface nodes are paired anew in a steady state at most, see [`Bodies::paired_anew`].
-const PAIRINGS: usize = 6;
+const PAIRINGS: usize = 10;
+/// And by what part of the way at least, where all of it at once is too far.
+const SMALLEST_PART: f64 = 0.2;
 /// Most Newton iterations of a step.
 const ITERATIONS: usize = 25;
 /// Most of them with an update larger than the unknowns, where the edges of the contact move with the mesh.
@@ -313,17 +315,20 @@ fn settle(
     let thickening = guess.thickening;
     let (mut result, mut spent) =
         bodies.settle(guess, &Task { control, settings: settings(bodies), distance_counts: true, reusable });
+    let mut part = 1.0;
     for _ in 0..PAIRINGS {
-        let Some(guess) = result.as_ref().ok().and_then(|state| bodies.paired_anew(state)) else { break };
+        let Some(guess) = result.as_ref().ok().and_then(|state| bodies.paired_anew(state, part)) else { break };
         // Not from nearby: the edges of the contact move on the surfaces.
         let settings = newton::Settings { most_large: ITERATIONS, ..settings(bodies) };
         let (again, more) = bodies.settle(guess, &Task { control, settings, distance_counts: true, reusable: None });
         spent += more;
-        if again.is_err() && thickening != 1.0 {
+        match again {
+            Ok(_) => (result, part) = (again, (2.0 * part).min(1.0)),
+            Err(_) if part > SMALLEST_PART => part *= 0.5,
             // On the way they may stay apart.
-            break;
+            Err(_) if thickening != 1.0 => break,
+            Err(_) => result = again,
         }
-        result = again;
     }
     let reusable = bodies
         .linearization(mirrored)

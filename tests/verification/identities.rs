@@ -356,13 +356,17 @@ fn the_power_of_the_bones_is_accounted_for() {
 }
 
 /// The same where rough surfaces slide under the load of a joint: friction works along the deformed surfaces, at the speed of tissue that is stretched
-/// by a tenth and more.
+/// by a tenth and more, and the power is that of the forces and moments that are passed on to the bones. A hip's film, in which most of its work is
+/// lost, lies along the arc of the undeformed surfaces.
 #[test]
 fn the_work_of_sliding_at_a_joint_s_load_is_accounted_for() {
     let condyle = Preset::HumanFemoralCondyle.parameters();
-    let hip = Case::load("examples/hip.toml".as_ref()).unwrap().parameters;
-    for (parameters, applied_load, slide_to_roll_ratio) in
-        [(condyle, 10e3, 0.5), (condyle, 50e3, 0.5), (hip, 30e3, 0.9)]
+    let [hip, knee] = ["hip", "knee"].map(|name| {
+        let file = format!("examples/{name}.toml");
+        Case::load(file.as_ref()).unwrap().parameters
+    });
+    for (parameters, applied_load, slide_to_roll_ratio, bound) in
+        [(condyle, 10e3, 0.5, 3e-3), (condyle, 50e3, 0.5, 3e-3), (knee, 30e3, 0.5, 3e-3), (hip, 30e3, 0.9, 1.2e-2)]
     {
         let mut simulation = Simulation::new(&Parameters { control: Control::Load, ..parameters }).unwrap();
         simulation
@@ -372,7 +376,8 @@ fn the_work_of_sliding_at_a_joint_s_load_is_accounted_for() {
         let taken = [o.film_dissipation, o.pore_flow_dissipation, o.boundary_friction_dissipation, o.carried_power];
         let missing = 1.0 - taken.iter().sum::<f64>() / o.rotation_power;
         println!("{applied_load} N/m: {} W, {taken:?}, missing {missing:.2e}", o.rotation_power);
-        assert!(missing.abs() < 3e-3 && taken[2] > 0.5 * o.rotation_power, "{missing} {taken:?}");
+        assert!(missing.abs() < bound && taken[0] + taken[2] > 0.9 * o.rotation_power, "{missing} {taken:?}");
+        assert!(!simulation.warnings().iter().any(|warning| warning.contains("bones")), "{:?}", simulation.warnings());
     }
 }
 

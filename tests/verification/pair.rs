@@ -89,7 +89,7 @@ impl Pair {
             most_large: 40,
             deadline: Deadline::default(),
         };
-        let task = Task { control: Control::Depth, settings, reusable: None };
+        let task = Task { control: Control::Depth, settings, distance_counts: true, reusable: None };
         let guess = self.state.clone().guess_for(&inputs, Control::Depth);
         let (result, _) = self.system.settle(guess, &task);
         self.state = result.unwrap_or_else(|reason| panic!("{inputs}: {reason}"));

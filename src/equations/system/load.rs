@@ -177,8 +177,8 @@ impl System {
         self.stations[station] * sine / self.cosine[station]
     }
 
-    /// Forces and moments of the pressures and of friction on each body, over the surfaces of [`System::loads`]. Points that face each
-    /// other before they deform are where both feel the same pressure: where friction shifts them apart, so do the moments.
+    /// Forces and moments of the pressures and of friction on each body, over the surfaces of [`System::loads`]. Of nodes that are
+    /// paired as they are deformed the moments are the same; else they part where the nodes move apart along the surfaces.
     pub fn resultant(&self, at: &State, change: &Change) -> Resultant {
         let zero = Dual64::from(0.0);
         let none = OnBody { moment: zero, rubbing_along_x: zero, rubbing_lever: zero, rubbing_stretch: zero };
@@ -228,10 +228,11 @@ impl System {
                 let (here, along) = (|of: &[Dual64; 3]| dot(quadratic(s), of), |of: &[Dual64; 3]| dot(slope, of));
                 for (body, sum) in sum.bodies.iter_mut().take(surfaces.len()).enumerate() {
                     let [x, y] = &surfaces[body];
-                    // Of facing points with the other body's: half the derivative of the product.
-                    let paired = !self.layout.rise.is_empty();
-                    let other = if paired { &surfaces[1 - body][0] } else { x };
-                    let y = if paired { &heights } else { y };
+                    // Of nodes that are paired as they are deformed half the derivative of x_upper x_lower: the same on both bodies.
+                    let (other, y) = match self.pairs_deformed() {
+                        true => (&surfaces[1 - body][0], &heights),
+                        false => (x, y),
+                    };
                     let moment = (here(x) * along(other) + here(other) * along(x)) * 0.5 + here(y) * along(y);
                     sum.moment += pressure * moment;
                 }

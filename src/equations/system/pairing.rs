@@ -63,14 +63,20 @@ impl System {
         if load > 0.0 { rise / load } else { 0.0 }
     }
 
-    /// A guess of the state with paired nodes at the same place along x. Film and deformation stay with the nodes.
-    pub fn paired_anew(&self, state: &State) -> State {
+    /// A guess of the state with paired nodes at the same place along x, or by a part of the way nearer to that. Film and deformation stay with
+    /// the nodes.
+    pub fn paired_anew(&self, state: &State, part: f64) -> State {
         let mut state = state.clone();
-        let shifts = self.wanted_shifts(&state);
+        let mut shifts = self.wanted_shifts(&state);
+        for (end, shift) in shifts.iter_mut().enumerate() {
+            let present = state.shifts.get(end).copied().unwrap_or_default();
+            *shift = present + part * (*shift - present);
+        }
         self.carry(&mut state.unknowns, self.contact_half_width, &shifts);
         for (station, number) in self.layout.rise.iter().enumerate() {
-            let rise = std::mem::take(&mut state.unknowns[*number as usize]);
-            self.follow(station, -rise, &mut state.unknowns);
+            let fall = part * state.unknowns[*number as usize];
+            state.unknowns[*number as usize] -= fall;
+            self.follow(station, -fall, &mut state.unknowns);
         }
         State { shifts, ..state }
     }

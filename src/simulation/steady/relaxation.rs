@@ -45,7 +45,7 @@ impl Motion for Relaxation<'_> {
         let task = Task { control: *control, settings: self.settings, distance_counts: false, reusable: None };
         let (result, iterations) = bodies.settle(guess, &task);
         let moved = result.map(|solved| {
-            self.state = bodies.paired_anew(&solved).unwrap_or(solved);
+            self.state = bodies.paired_anew(&solved, 1.0).unwrap_or(solved);
             self.stored_volumes = bodies.system_of(&self.state).stored_volumes(&self.state);
         });
         (moved, iterations)
