@@ -126,12 +126,14 @@ fn a_rigid_counterface_is_the_limit_of_a_stiff_tight_layer() {
                     a.minimum_film_thickness,
                     b.minimum_film_thickness
                 );
-                // The stretch along the surface is the mean of both bodies', and here that of the one.
-                assert_relative_eq!(a.load, b.load, max_relative = 1e-2);
+                // The stretch along the surface is the mean of both bodies', and here that of the one. Rough surfaces of two layers are paired
+                // as they are deformed, those against a counterface are not.
+                let unlike = if rms > 0.0 { 3.0 } else { 1.0 };
+                assert_relative_eq!(a.load, b.load, max_relative = unlike * 1e-2);
                 assert_relative_eq!(
                     a.minimum_film_thickness,
                     b.minimum_film_thickness,
-                    max_relative = 5e-3,
+                    max_relative = unlike * 5e-3,
                     epsilon = 1e-9
                 );
                 assert_relative_eq!(
@@ -142,7 +144,7 @@ fn a_rigid_counterface_is_the_limit_of_a_stiff_tight_layer() {
                 );
                 assert_relative_eq!(a.upper_force_x, b.upper_force_x, max_relative = 2e-2, epsilon = 1e-3);
                 assert_relative_eq!(a.upper_moment, b.upper_moment, max_relative = 2e-2, epsilon = 1e-5);
-                assert_relative_eq!(a.stored_elastic_energy, b.stored_elastic_energy, max_relative = 5e-3);
+                assert_relative_eq!(a.stored_elastic_energy, b.stored_elastic_energy, max_relative = unlike * 5e-3);
             }
         }
     }
