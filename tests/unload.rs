@@ -88,12 +88,16 @@ fn nothing_stays_of_a_library_that_was_unloaded() {
     // One thread of this test alone changes the heap; what the loader keeps for itself it has after some rounds.
     (0..1000).for_each(|_| visit(false));
     assert!(!is_loaded());
-    let before = taken();
-    (0..1000).for_each(|_| visit(false));
-    assert!(!is_loaded());
-    let grown = taken().saturating_sub(before);
-    println!("1000 visits leave {grown} bytes");
-    assert!(grown < 2048, "{grown} bytes");
+    let thousand_visits = || {
+        let before = taken();
+        (0..1000).for_each(|_| visit(false));
+        assert!(!is_loaded());
+        taken().saturating_sub(before)
+    };
+    // Its tables grow now and then, by some kilobytes once: not with every thousand.
+    let grown = [(); 3].map(|()| thousand_visits());
+    println!("1000 visits leave {grown:?} bytes");
+    assert!(grown.iter().min() < Some(&2048), "{grown:?} bytes");
 
     // A solution leaves a buffer with its thread, and with it the library, until the thread ends: no more with each visit.
     let in_thread = || std::thread::spawn(|| visit(true)).join().unwrap();

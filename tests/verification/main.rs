@@ -22,6 +22,7 @@ mod identities;
 mod joint;
 mod joint_ways;
 mod mandel;
+mod pairing;
 mod paper_case;
 mod path_independence;
 mod porous_film;
