@@ -184,14 +184,15 @@ mod tests {
             let at: Vec<f64> = [upper, lower, [0.0; 3], rise, [pressure; 3], [1.0; 3]].concat();
             let terms = facing(mean, [1.0; 3], 2).terms(&at.try_into().unwrap());
             for a in 0..3 {
-                prop_assert!(terms.residual[3 + a].abs() < 1e-9 * 3e9 * half * apart.abs(), "{:?}", terms.residual);
+                prop_assert!(terms.residual[3 + a].abs() <= 1e-9 * 3e9 * half * (apart.abs() + 1e-8), "{:?}", terms.residual);
             }
-            let size = pressure.abs() * apart.abs();
+            // Differences of places are known to the last digits of these.
+            let size = pressure.abs() * (apart.abs() + 1e-6);
             let force: f64 = terms.residual[..3].iter().sum();
-            prop_assert!(force.abs() < 1e-12 * size);
+            prop_assert!(force.abs() <= 1e-11 * size);
             let moment: f64 = (0..3).map(|a| terms.residual[a] * x[a]).sum();
             // int p (ξ x)' ds over the column, with a constant ξ.
-            prop_assert!((moment - pressure * apart * 2.0 * half).abs() < 1e-9 * size * half, "{}", moment);
+            prop_assert!((moment - pressure * apart * 2.0 * half).abs() <= 1e-9 * size * half, "{}", moment);
         }
     }
 }
