@@ -1,8 +1,8 @@
 //! Which nodes of the two surfaces are paired: an answer must not depend on it.
 //!
 //! Unlike rough layers, of which one stretches more than the other along surfaces that are up to 0.4 rad steep, and which rub on each other. Their
-//! columns are shifted against each other by what makes paired nodes face each other, by nothing, and by twice as much. Distances
-//! between paired nodes are taken into account to first order: what is left falls with their square. Not taken into account they change the load itself.
+//! columns are shifted against each other by what makes paired nodes face each other, by nothing, by half and by half as much again. With the distances
+//! between paired nodes taken into account the load is the same within 0.2 %; not taken into account they change it by 13 %.
 
 use cartilage_contact::equations::system::{State, Task};
 use cartilage_contact::parameters::{Body, Control, Formulation, Inputs, Mesh, Parameters};
@@ -47,7 +47,7 @@ fn the_load_does_not_depend_on_which_nodes_are_paired() {
     }
     let (deformed, left) = (load(&pair), pair.system.mismatch(&pair.state));
 
-    // Half of the way back, and as far beyond.
+    // Shifted by half of that, and by half as much again.
     let [half, beyond] = [0.5, 1.5].map(|part| {
         let shifts = pair.state.shifts.iter().map(|shift| part * shift).collect();
         pair.state = State { shifts, ..pair.state.clone() };
