@@ -209,14 +209,18 @@ impl Solved<'_> {
     ///
     /// The formula multiplies the slope of the pressure by h^3, which makes the slightest error large where the film is thick.
     fn film_flux(&self, film: &[f64], pressure: &[f64], void: &[f64], outflow: &[f64], weight: &[f64]) -> Vec<f64> {
-        let x = &self.system.stations;
         // Middles of elements, where the slope of a quadratic pressure is best.
         let middles = (1..film.len()).step_by(2);
         let thinnest = middles.min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(1);
-        let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (x[thinnest + 1] - x[thinnest - 1]);
-        let speed = self.state.inputs.sliding_speed;
+        let column = thinnest / 2;
+        let element = self.system.film_element(column);
+        let local = self.system.film_local(column, &self.state.unknowns);
+        let (surfaces, stretch) = element.stretches(0.0, &local, &local);
+        let [upper, lower] = self.state.inputs.surface_speeds();
+        let speed = upper * surfaces[0].re + lower * surfaces[1].re;
+        let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (element.length * stretch.re);
         let (fluid, offset) = (&self.system.film().fluid, self.system.parameters().shear_film_offset);
-        let flux = reynolds_flux(fluid, film[thinnest], slope, self.state.inputs.surface_speeds(), offset);
+        let flux = reynolds_flux(fluid, film[thinnest], slope, [speed, upper - lower], offset);
         let known = flux.value - 0.5 * void[thinnest] * speed;
         let mut sum = 0.0;
         let added: Vec<f64> = outflow

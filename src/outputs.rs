@@ -8,6 +8,7 @@ mod results;
 
 use num_dual::Dual64;
 
+use crate::equations::film::{DISSIPATION, DRAG};
 use crate::equations::system::{Change, Solved};
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
@@ -190,19 +191,24 @@ impl Solved<'_> {
         let (mut sliding_along_x, mut sliding_lever) = (zero, zero);
         for column in 0..gap.len() / 2 {
             let local = |f: &[Dual64], shape: [f64; 3]| (0..3).map(|a| f[2 * column + a] * shape[a]).sum::<Dual64>();
-            let half = 0.5 * system.film_length(column);
-            let half_along_x = 0.5 * (system.stations[2 * column + 2] - system.stations[2 * column]);
+            let element = system.film_element(column);
+            let terms = system.film_terms(column, self.state);
+            let [at, along] = [&self.state.unknowns, &change.unknowns].map(|values| system.film_local(column, values));
+            let faster = change.inputs.surface_speeds(inputs);
+            let row = |row: usize| Dual64::new(terms.rows[row], terms.along(row, &along, faster));
+            rolling += DRAG.map(row).sum::<Dual64>();
+            poiseuille += row(DISSIPATION);
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
+                let (_, film) = element.stretches(s, &at, &along);
+                let [half, half_along_x] = [element.length, element.width].map(|length| film * (0.5 * length));
                 let (gap, gradient) = (local(&gap, quadratic(s)), local(&pressure, quadratic_derivative(s)) / half);
-                let [with_pressure, with_walls] = system.film().wall_shear(gap, gradient, difference);
+                let with_walls = system.film().mean_shear_stress(gap, gradient, difference);
                 // Void drags nothing. Its jumps at the ends of the cavitated film make a parabola overshoot; straight lines do not.
                 let full = -local(&void_fraction, linear(s)) + 1.0;
                 let stress = with_walls * full * w;
-                rolling += with_pressure * (half * w);
                 sliding += stress * half;
                 sliding_along_x += stress * half_along_x;
                 sliding_lever += stress * (local(&height, quadratic(s)) - fall(2 * column, s)) * half_along_x;
-                poiseuille += system.film().pressure_flow_dissipation(gap, gradient, difference) * (half * w);
             }
         }
         let resultant = system.resultant(self.state, change);

@@ -3,11 +3,16 @@
 //! One equation serves both faces; the fluxes out of the two bodies cancel, because bodies and film share the pressure and its
 //! test function w (divided by the density at ambient pressure, r = exp(chi p)):
 //!
-//! int -r Q w' + d(r h)/dt w dx,   Q = -h^3/(12 eta) p' + U h/2
+//! int -r Q w' + d(r h)/dt w dx,   Q = -h^3/(12 eta) p' + u h/2
 //!
 //! with the viscosity eta that the flow driven by pressure feels, see [`crate::laws::fluid`].
 //!
-//! On a mesh that moves with speed W along x the rate is that of r h dx seen from the mesh, and W r h leaves Q: both walls are slower by W.
+//! In the consistent formulation x is the place along the deformed film, halfway between the surfaces, and u the sum of the speeds of the
+//! deformed surfaces: where tissue is stretched by the factor l it moves at l U. Stretch counts along x, gaps and the film's slope being those
+//! across and along the undeformed arc. In the paper's formulation the film stays there. That surfaces which roll stretch unlike, and so slide a little, is
+//! left out: the difference of speeds is that of the bones.
+//!
+//! On a mesh that moves with speed W along the undeformed film the rate is that of r h dx seen from the mesh, and both walls are slower by W.
 //!
 //! Where h = 0 nothing is left of it, and the fluid crosses from body to body: the paper's periodic condition.
 //!
@@ -30,14 +35,77 @@
 
 use num_dual::Dual64;
 
-use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, pressure_derivative, quadratic};
+use crate::fem::element::{
+    GAUSS, GAUSS_WEIGHTS, SIMPSON, pressure, pressure_derivative, quadratic, quadratic_derivative,
+};
 use crate::laws::chain;
-use crate::laws::film::{mean_shear_rate, reynolds_flux, wall_shear};
+use crate::laws::film::{mean_shear_rate, mean_shear_stress, reynolds_flux};
 use crate::laws::fluid::Fluid;
 use crate::laws::roughness::Roughness;
 
-/// Gaps, pressures and thicknesses of void at the three nodes of an interface element.
-pub type Local = [f64; 9];
+/// Values of an element: gaps, pressures, thicknesses of void, and displacements along x of the upper and of the lower surface, at three nodes
+/// each.
+pub const LOCAL: usize = 15;
+
+/// These values.
+pub type Local = [f64; LOCAL];
+
+/// Where the displacements along x begin.
+const SIDEWAYS: usize = 9;
+
+/// An element of the undeformed interface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Element {
+    /// Length along the arc of the film \[m\].
+    pub length: f64,
+    /// Width along x \[m\].
+    pub width: f64,
+    /// Widths of the parts of the upper and of the lower surface that face it, over its own.
+    pub surfaces: [f64; 2],
+    /// Whether the film goes with the deformed surfaces.
+    pub deforms: bool,
+}
+
+/// By what factors the surfaces and the film between them are longer than undeformed, at a place.
+struct Stretch {
+    surfaces: [f64; 2],
+    film: f64,
+    /// Derivatives of `surfaces` by the displacements of each surface.
+    by_surface: [[f64; 3]; 2],
+    /// Derivatives of `film` by the displacements of either surface.
+    by_either: [f64; 3],
+}
+
+impl Stretch {
+    /// Derivatives by the displacements along x, from those by the stretches of the film and of the surfaces.
+    fn by_sideways(&self, by_film: f64, by_surfaces: [f64; 2]) -> [f64; 6] {
+        std::array::from_fn(|i| by_film * self.by_either[i % 3] + by_surfaces[i / 3] * self.by_surface[i / 3][i % 3])
+    }
+}
+
+impl Element {
+    /// At a fraction -1..=1 of the way from the middle to the right end.
+    fn stretch(&self, place: f64, at: &Local) -> Stretch {
+        let slope = if self.deforms { quadratic_derivative(place).map(|d| 2.0 * d / self.width) } else { [0.0; 3] };
+        let [upper, lower] = [0, 1].map(|k| self.surfaces[k] + sum(&slope, &at[SIDEWAYS + 3 * k..]));
+        Stretch {
+            surfaces: [upper / self.surfaces[0], lower / self.surfaces[1]],
+            film: 0.5 * (upper + lower),
+            by_surface: self.surfaces.map(|width| slope.map(|d| d / width)),
+            by_either: slope.map(|d| 0.5 * d),
+        }
+    }
+
+    /// By what factors the upper and the lower surface, and the film between them, are longer than undeformed at such a place, along a change of
+    /// the values.
+    pub fn stretches(&self, place: f64, at: &Local, change: &Local) -> ([Dual64; 2], Dual64) {
+        let stretch = self.stretch(place, at);
+        let moved = |k: usize, by: &[f64; 3]| sum(by, &change[SIDEWAYS + 3 * k..]);
+        let surfaces = [0, 1].map(|k| Dual64::new(stretch.surfaces[k], moved(k, &stretch.by_surface[k])));
+        let film = moved(0, &stretch.by_either) + moved(1, &stretch.by_either);
+        (surfaces, Dual64::new(stretch.film, film))
+    }
+}
 
 /// The lubricant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,19 +143,64 @@ impl MassRate {
     }
 }
 
-/// Residual of the three pressure equations with its derivatives.
+/// What an element gives, see [`Terms`].
+pub const ROWS: usize = 7;
+/// Which rows are the forces.
+pub const DRAG: std::ops::Range<usize> = 3..6;
+/// Which row is the power.
+pub const DISSIPATION: usize = 6;
+
+/// What an element gives, with its derivatives, by rows: the residual of the three pressure equations \[m^2/s\]; what the flow that pressure
+/// drives drags along either wall, (h/2) p', as forces on the three nodes against the arc \[N/m\]; the power that it dissipates \[W/m\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Terms {
-    /// Residual \[m^2/s\].
-    pub residual: [f64; 3],
-    /// By gaps, pressures and thicknesses of void.
-    pub tangent: [[f64; 9]; 3],
+    /// The rows.
+    pub rows: [f64; ROWS],
+    /// Each row by the values of the element.
+    pub tangent: [[f64; LOCAL]; ROWS],
     /// By the speeds of the upper and the lower surface.
-    pub by_speeds: [[f64; 3]; 2],
+    pub by_speeds: [[f64; ROWS]; 2],
+}
+
+impl Terms {
+    /// Residual of the three pressure equations \[m^2/s\].
+    pub fn residual(&self) -> [f64; 3] {
+        [self.rows[0], self.rows[1], self.rows[2]]
+    }
+
+    /// Forces on the three nodes of either wall against the arc \[N/m\].
+    pub fn drag(&self) -> [f64; 3] {
+        std::array::from_fn(|a| self.rows[DRAG.start + a])
+    }
+
+    /// Change of a row along changes of the values and of the speeds.
+    pub fn along(&self, row: usize, change: &Local, speeds: [f64; 2]) -> f64 {
+        let by_values: f64 = self.tangent[row].iter().zip(change).map(|(by, change)| by * change).sum();
+        by_values + self.by_speeds[0][row] * speeds[0] + self.by_speeds[1][row] * speeds[1]
+    }
+
+    /// Adds a part of a row.
+    fn add(&mut self, row: usize, factor: f64, value: f64, by: &Gradient) {
+        self.rows[row] += factor * value;
+        for (sum, by) in self.tangent[row].iter_mut().zip(&by.values) {
+            *sum += factor * by;
+        }
+        for (sum, by) in self.by_speeds.iter_mut().zip(by.speeds) {
+            sum[row] += factor * by;
+        }
+    }
+}
+
+/// Derivatives by the values of an element and by the speeds of the surfaces.
+#[derive(Default)]
+struct Gradient {
+    values: Local,
+    speeds: [f64; 2],
 }
 
 /// Where fluid is stored: shape functions of gap, pressure and void, test functions, and the fraction of the element's length.
 struct Store {
+    place: f64,
     gap: [f64; 3],
     pressure: [f64; 3],
     void: [f64; 3],
@@ -142,24 +255,25 @@ fn sum(shape: &[f64; 3], values: &[f64]) -> f64 {
 }
 
 impl Film {
-    /// The Gauss points; of a film that may cavitate or of rough surfaces the nodes.
+    /// The Gauss points; of a film that may cavitate or of rough surfaces the nodes, with the mean stretch of what the pairs have there.
     fn stores(&self) -> [Store; 3] {
         let unit = |a: usize| std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
-        if self.rough.is_some() {
-            return std::array::from_fn(|q| match self.pressure_order {
-                2 => Store { gap: unit(q), pressure: unit(q), void: [0.0; 3], fraction: [0.25, 0.5, 0.25][q] },
-                order => {
-                    let pressure = pressure(order, q as f64 - 1.0);
-                    Store { gap: unit(q), pressure, void: [0.0; 3], fraction: SIMPSON[q] }
-                }
-            });
-        }
-        std::array::from_fn(|q| match (self.cavitates, self.pressure_order) {
-            (true, order) => {
-                let fraction = if order == 2 { [0.25, 0.5, 0.25][q] } else { [0.5, 0.0, 0.5][q] };
-                Store { gap: unit(q), pressure: unit(q), void: unit(q), fraction }
+        let place = |q: usize| if self.pressure_order == 2 { 0.5 * (q as f64 - 1.0) } else { 0.0 };
+        let halves = [0.25, 0.5, 0.25];
+        std::array::from_fn(|q| match (self.rough.is_some(), self.cavitates, self.pressure_order) {
+            (true, _, 2) => {
+                Store { place: place(q), gap: unit(q), pressure: unit(q), void: [0.0; 3], fraction: halves[q] }
             }
-            (false, order) => Store {
+            (true, _, order) => {
+                let pressure = pressure(order, q as f64 - 1.0);
+                Store { place: place(q), gap: unit(q), pressure, void: [0.0; 3], fraction: SIMPSON[q] }
+            }
+            (false, true, order) => {
+                let fraction = if order == 2 { halves[q] } else { [0.5, 0.0, 0.5][q] };
+                Store { place: place(q), gap: unit(q), pressure: unit(q), void: unit(q), fraction }
+            }
+            (false, false, order) => Store {
+                place: GAUSS[q],
                 gap: quadratic(GAUSS[q]),
                 pressure: pressure(order, GAUSS[q]),
                 void: [0.0; 3],
@@ -191,13 +305,14 @@ impl Film {
         })
     }
 
-    /// Fluid r (h - c) where it is stored \[m\]: at the quadrature points, or at the nodes where the film may cavitate. Beside a node in
-    /// contact an interpolated gap may be a little below zero; it counts as it is, so that what is stored is linear in the gaps of
-    /// the nodes, and has no kink where they close.
-    pub fn mass(&self, at: &Local) -> [f64; 3] {
+    /// Fluid r (h - c) l of an element where it is stored \[m^2\]: at the quadrature points, or at the nodes where the film may cavitate. Beside
+    /// a node in contact an interpolated gap may be a little below zero; it counts as it is, so that what is stored is linear in the gaps
+    /// of the nodes, and has no kink where they close.
+    pub fn mass(&self, element: &Element, at: &Local) -> [f64; 3] {
         self.stores().map(|store| {
             let density = (self.fluid_compressibility * sum(&store.pressure, &at[3..])).exp();
-            density * (self.thickness(sum(&store.gap, at)).0 - sum(&store.void, &at[6..]))
+            let length = element.length * element.stretch(store.place, at).film;
+            density * (self.thickness(sum(&store.gap, at)).0 - sum(&store.void, &at[6..])) * length
         })
     }
 
@@ -218,49 +333,29 @@ impl Film {
         speed_difference * per_speed
     }
 
-    /// The two parts of the shear stress on the walls, see [`wall_shear`], for a distance of the surfaces, a pressure gradient and the
-    /// difference of the surfaces' speeds.
-    pub fn wall_shear(&self, gap: Dual64, pressure_gradient: Dual64, speed_difference: Dual64) -> [Dual64; 2] {
+    /// Mean shear stress over the film, see [`mean_shear_stress`], for a distance of the surfaces, a pressure gradient and the difference of the
+    /// surfaces' speeds.
+    pub fn mean_shear_stress(&self, gap: Dual64, pressure_gradient: Dual64, speed_difference: Dual64) -> Dual64 {
         let thickness = match self.rough {
             Some((rough, _)) => chain(rough.thickness(gap.re), gap.eps),
             None if gap.re > 0.0 => gap,
             None => Dual64::from(0.0),
         };
-        wall_shear(&self.fluid, thickness, self.shear_rate(gap, speed_difference), pressure_gradient)
-    }
-
-    /// Power that the flow driven by a pressure gradient dissipates over the film's thickness, phi h^3 p'^2/(12 eta) \[W/m^2\]; as
-    /// [`Film::wall_shear`].
-    pub fn pressure_flow_dissipation(
-        &self,
-        gap: Dual64,
-        pressure_gradient: Dual64,
-        speed_difference: Dual64,
-    ) -> Dual64 {
-        let (thickness, factor) = match self.rough {
-            Some((rough, _)) => {
-                let thickness = chain(rough.thickness(gap.re), gap.eps);
-                (thickness, chain(rough.flow_factor(thickness.re), thickness.eps))
-            }
-            None if gap.re > 0.0 => (gap, Dual64::from(1.0)),
-            None => return Dual64::from(0.0),
-        };
-        let (rate, difference) = (self.shear_rate(gap, speed_difference), thickness * pressure_gradient * 0.5);
-        let film = self.fluid.sheared(rate.re, difference.re);
-        let change = film.viscosity_by_rate * rate.eps + film.viscosity_by_difference * difference.eps;
-        let viscosity = Dual64::new(film.viscosity, change);
-        factor * thickness * thickness * thickness * pressure_gradient * pressure_gradient / (viscosity * 12.0)
+        mean_shear_stress(&self.fluid, thickness, self.shear_rate(gap, speed_difference), pressure_gradient)
     }
 
     /// How [`Film::mass`] changes with gaps, pressures and void.
-    pub fn mass_change(&self, at: &Local, change: &Local) -> [f64; 3] {
+    pub fn mass_change(&self, element: &Element, at: &Local, change: &Local) -> [f64; 3] {
         self.stores().map(|store| {
+            let stretch = element.stretch(store.place, at);
+            let sideways: [f64; 3] = std::array::from_fn(|b| change[SIDEWAYS + b] + change[SIDEWAYS + 3 + b]);
             let (thickness, slope) = self.thickness(sum(&store.gap, at));
             let fluid = thickness - sum(&store.void, &at[6..]);
             let more = slope * sum(&store.gap, change) - sum(&store.void, &change[6..]);
             let density = (self.fluid_compressibility * sum(&store.pressure, &at[3..])).exp();
             let denser = self.fluid_compressibility * sum(&store.pressure, &change[3..]);
-            density * (more + fluid * denser)
+            let longer = sum(&stretch.by_either, &sideways);
+            density * element.length * ((more + fluid * denser) * stretch.film + fluid * longer)
         })
     }
 
@@ -275,8 +370,8 @@ impl Film {
         residual
     }
 
-    /// The terms of an element of this length \[m\], between an upper and a lower surface of these speeds \[m/s\].
-    pub fn element(&self, length: f64, at: &Local, speeds: [f64; 2], mass_rate: &MassRate) -> Terms {
+    /// The terms of an element between an upper and a lower surface of these speeds \[m/s\].
+    pub fn element(&self, element: &Element, at: &Local, speeds: [f64; 2], mass_rate: &MassRate) -> Terms {
         let mut terms = Terms::default();
         let chi = self.fluid_compressibility;
         for (store, history) in self.stores().into_iter().zip(mass_rate.history) {
@@ -285,10 +380,17 @@ impl Film {
             }
             let (thickness, slope) = self.thickness(sum(&store.gap, at));
             let fluid = thickness - sum(&store.void, &at[6..]);
-            let factor = length * store.fraction * mass_rate.rate * (chi * sum(&store.pressure, &at[3..])).exp();
+            let stretch = element.stretch(store.place, at);
+            let density = (chi * sum(&store.pressure, &at[3..])).exp();
+            let unstretched = element.length * store.fraction * mass_rate.rate * density;
+            let factor = unstretched * stretch.film;
             for a in 0..3 {
                 let value = store.pressure[a];
-                terms.residual[a] += (factor * fluid + store.fraction * history) * value;
+                terms.rows[a] += (factor * fluid + store.fraction * history) * value;
+                let sideways = stretch.by_sideways(unstretched * fluid * value, [0.0; 2]);
+                for (sum, by) in terms.tangent[a][SIDEWAYS..].iter_mut().zip(sideways) {
+                    *sum += by;
+                }
                 for b in 0..3 {
                     terms.tangent[a][b] += factor * slope * store.gap[b] * value;
                     terms.tangent[a][3 + b] += factor * fluid * chi * store.pressure[b] * value;
@@ -297,37 +399,62 @@ impl Film {
             }
         }
         if let Some(rough) = &self.rough {
-            self.add_rough_flow(rough, length, at, speeds, mass_rate, &mut terms);
+            self.add_rough_flow(rough, element, at, speeds, mass_rate, &mut terms);
             return terms;
         }
         for flow in self.flows(mass_rate.relative(speeds, 0.0).iter().sum()) {
             // Seen from the mesh: what it passes by counts as flow.
-            let speeds = mass_rate.relative(speeds, flow.place);
-            let sliding_speed = speeds[0] + speeds[1];
+            let unstretched = mass_rate.relative(speeds, flow.place);
+            let stretch = element.stretch(flow.place, at);
+            let sliding_speed = unstretched[0] * stretch.surfaces[0] + unstretched[1] * stretch.surfaces[1];
             let gap = sum(&flow.gap, at);
+            let length = element.length * stretch.film;
             let slope = flow.slope.map(|d| d / length);
+            let gradient = sum(&slope, &at[3..]);
             let density = (chi * sum(&flow.pressure, &at[3..])).exp();
-            let flux = reynolds_flux(&self.fluid, gap, sum(&slope, &at[3..]), speeds, self.shear_film_offset);
-            let void = flow.upstream.map_or(Void::default(), |up| Void::carried(gap.max(0.0), at[up], at[6 + up]));
+            let both = [sliding_speed, speeds[0] - speeds[1]];
+            let flux = reynolds_flux(&self.fluid, gap, gradient, both, self.shear_film_offset);
+            let open = gap.max(0.0);
+            let void = flow.upstream.map_or(Void::default(), |up| Void::carried(open, at[up], at[6 + up]));
             let value = flux.value - 0.5 * sliding_speed * void.value;
-            let by_gap = flux.by_film_thickness - if gap > 0.0 { 0.5 * sliding_speed * void.by_gap } else { 0.0 };
-            let weight = length * flow.fraction * density;
-            for a in 0..3 {
-                let weight = -weight * slope[a];
-                terms.residual[a] += weight * value;
-                for (by_speed, flux) in terms.by_speeds.iter_mut().zip(flux.by_speeds) {
-                    by_speed[a] += weight * (flux - 0.5 * void.value);
+            // Of what goes with the gap, the slope of pressure, sum and difference of speeds, and, if it is so much per length, with that.
+            let spread = |by_gap: f64, by_slope: f64, by_sum: f64, by_difference: f64, per_length: f64| {
+                let mut by = Gradient::default();
+                for (b, (shape, slope)) in flow.gap.iter().zip(slope).enumerate() {
+                    by.values[b] = by_gap * shape;
+                    by.values[3 + b] = by_slope * slope;
                 }
-                for (b, slope) in slope.into_iter().enumerate() {
-                    terms.tangent[a][b] += weight * by_gap * flow.gap[b];
-                    terms.tangent[a][3 + b] +=
-                        weight * (flux.by_pressure_gradient * slope + value * chi * flow.pressure[b]);
-                }
-                if let Some(up) = flow.upstream {
-                    terms.tangent[a][up] -= weight * 0.5 * sliding_speed * void.by_upstream_gap;
-                    terms.tangent[a][6 + up] -= weight * 0.5 * sliding_speed * void.by_upstream_void;
-                }
+                let by_film = (per_length - by_slope * gradient) / stretch.film;
+                by.values[SIDEWAYS..].copy_from_slice(&stretch.by_sideways(by_film, unstretched.map(|u| by_sum * u)));
+                by.speeds =
+                    [by_sum * stretch.surfaces[0] + by_difference, by_sum * stretch.surfaces[1] - by_difference];
+                by
+            };
+            let open_slope = if gap > 0.0 { 1.0 } else { 0.0 };
+            let by_gap = flux.by_film_thickness - 0.5 * sliding_speed * void.by_gap * open_slope;
+            let by_sum = flux.by_speed_sum - 0.5 * void.value;
+            let mut by = spread(by_gap, flux.by_pressure_gradient, by_sum, flux.by_speed_difference, 0.0);
+            for (by, shape) in by.values[3..].iter_mut().zip(flow.pressure) {
+                *by += value * chi * shape;
             }
+            if let Some(up) = flow.upstream {
+                by.values[up] -= 0.5 * sliding_speed * void.by_upstream_gap;
+                by.values[6 + up] -= 0.5 * sliding_speed * void.by_upstream_void;
+            }
+            for (a, slope) in flow.slope.into_iter().enumerate() {
+                terms.add(a, -flow.fraction * density * slope, value, &by);
+            }
+            // (h/2) p', and what is driven times p'.
+            let drag = 0.5 * open * gradient;
+            let by = spread(0.5 * open_slope * gradient, 0.5 * open, 0.0, 0.0, drag);
+            for (row, shape) in DRAG.zip(flow.gap) {
+                terms.add(row, flow.fraction * length * shape, drag, &by);
+            }
+            let driven = 0.5 * sliding_speed * open - flux.value;
+            let by_gap = (0.5 * sliding_speed * open_slope - flux.by_film_thickness) * gradient;
+            let by_slope = driven - flux.by_pressure_gradient * gradient;
+            let by = spread(by_gap, by_slope, 0.0, -flux.by_speed_difference * gradient, driven * gradient);
+            terms.add(DISSIPATION, flow.fraction * length, driven * gradient, &by);
         }
         terms
     }
@@ -341,7 +468,7 @@ impl Film {
     fn add_rough_flow(
         &self,
         (rough, shear_modulus): &(Roughness, f64),
-        length: f64,
+        element: &Element,
         at: &Local,
         speeds: [f64; 2],
         mass_rate: &MassRate,
@@ -354,8 +481,11 @@ impl Film {
         let logarithms = nodes.map(|(thickness, _)| thickness.ln());
         for &[from, to] in self.pairs() {
             let fraction = 0.5 * (to - from) as f64;
-            let distance = fraction * length;
-            let sliding_speed: f64 = mass_rate.relative(speeds, from as f64 - 1.0 + fraction).iter().sum();
+            let middle = from as f64 - 1.0 + fraction;
+            let stretch = element.stretch(middle, at);
+            let distance = fraction * element.length * stretch.film;
+            let relative = mass_rate.relative(speeds, middle);
+            let sliding_speed = relative[0] * stretch.surfaces[0] + relative[1] * stretch.surfaces[1];
             let drop = at[3 + to] - at[3 + from];
             // Means over the pair of c, of c h and of the viscosity, with their derivatives with respect to the three gaps, the drop of pressure and
             // the difference of speeds.
@@ -384,42 +514,80 @@ impl Film {
                     [0.5 * w * by_drop, 0.5 * w * by_difference],
                 );
             }
-            let carried = ch_mean.value / c_mean.value;
+            // By the three gaps, the drop, the stretch, the sum of speeds and their difference: the gradient falls as the distance grows.
+            let [by_c, by_ch, by_viscosity] =
+                [&c_mean, &ch_mean, &viscosity].map(|Mean { by: [a, b, c, drops, slides], .. }| {
+                    [*a, *b, *c, *drops, -drop / stretch.film * drops, 0.0, *slides]
+                });
+            let mean = ch_mean.value / c_mean.value;
             let up = if sliding_speed < 0.0 { to } else { from };
             let (upstream, upstream_slope) = nodes[up];
             let stiffness = 2.0 * std::f64::consts::PI * shear_modulus;
-            let peclet = 6.0 * viscosity.value * sliding_speed.abs() * distance.powi(2) / (stiffness * carried.powi(3));
+            let peclet_per_speed = 6.0 * viscosity.value * distance.powi(2) / (stiffness * mean.powi(3));
+            let peclet = peclet_per_speed * sliding_speed.abs();
             let moved = peclet / (1.0 + peclet);
-            // What Pe changes of it, over Pe.
-            let moved_slope = (upstream - carried) * peclet / (1.0 + peclet).powi(2);
-            let carried_upstream = carried + moved * (upstream - carried);
-            let conductance = 1.0 / (12.0 * c_mean.value * distance);
-            let density = (0.5 * self.fluid_compressibility * (at[3 + to] + at[3 + from])).exp();
-            let flux = 0.5 * sliding_speed * carried_upstream - conductance * drop;
-            // Of the flux, by what the means depend on, with the drop and the upstream gap as they are.
-            let by: [f64; 5] = std::array::from_fn(|k| {
-                let carried_by = (ch_mean.by[k] - carried * c_mean.by[k]) / c_mean.value;
-                let upstream_by = carried_by * (1.0 - moved - 3.0 * moved_slope / carried)
-                    + moved_slope * viscosity.by[k] / viscosity.value;
-                0.5 * sliding_speed * upstream_by + conductance * drop * c_mean.by[k] / c_mean.value
+            let carried = mean + moved * (upstream - mean);
+            let by_carried: [f64; 7] = std::array::from_fn(|k| {
+                let by_mean = (by_ch[k] - mean * by_c[k]) / c_mean.value;
+                let mut by_peclet = peclet * (by_viscosity[k] / viscosity.value - 3.0 * by_mean / mean);
+                match k {
+                    STRETCH => by_peclet += 2.0 * peclet / stretch.film,
+                    SUM => by_peclet += peclet_per_speed * sliding_speed.signum(),
+                    _ => {}
+                }
+                let by_upstream = if k == up { moved * upstream_slope } else { 0.0 };
+                by_mean * (1.0 - moved) + by_upstream + (upstream - mean) * by_peclet / (1.0 + peclet).powi(2)
             });
-            // |U| grows with U as Pe does, so that Pe/U dPe/dU is what it is.
-            let by_sum = 0.5 * (carried_upstream + moved_slope);
-            for (a, sign) in [(from, density), (to, -density)] {
-                terms.residual[a] += sign * flux;
-                for (by_speed, way) in terms.by_speeds.iter_mut().zip([1.0, -1.0]) {
-                    by_speed[a] += sign * (by_sum + way * by[4]);
-                }
-                for (tangent, by_gap) in terms.tangent[a].iter_mut().zip(&by[..3]) {
-                    *tangent += sign * by_gap;
-                }
-                terms.tangent[a][up] += sign * 0.5 * sliding_speed * moved * upstream_slope;
-                for (b, way) in [(from, 1.0), (to, -1.0)] {
-                    terms.tangent[a][3 + b] +=
-                        sign * ((conductance - by[3]) * way + 0.5 * self.fluid_compressibility * flux);
-                }
+            let conductance = 1.0 / (12.0 * c_mean.value * distance);
+            let by_conductance: [f64; 7] = std::array::from_fn(|k| {
+                let by_distance = if k == STRETCH { 1.0 / stretch.film } else { 0.0 };
+                -conductance * (by_c[k] / c_mean.value + by_distance)
+            });
+            let spread = |of_carried: f64, of_conductance: f64, by_drop: f64, by_sum: f64| {
+                let mut by: [f64; 7] =
+                    std::array::from_fn(|k| of_carried * by_carried[k] + of_conductance * by_conductance[k]);
+                by[DROP] += by_drop;
+                by[SUM] += by_sum;
+                let mut gradient = Gradient::default();
+                gradient.values[..3].copy_from_slice(&by[..3]);
+                (gradient.values[3 + from], gradient.values[3 + to]) = (-by[DROP], by[DROP]);
+                let sideways = stretch.by_sideways(by[STRETCH], relative.map(|u| by[SUM] * u));
+                gradient.values[SIDEWAYS..].copy_from_slice(&sideways);
+                gradient.speeds =
+                    [by[SUM] * stretch.surfaces[0] + by[DIFFERENCE], by[SUM] * stretch.surfaces[1] - by[DIFFERENCE]];
+                gradient
+            };
+            let density = (0.5 * self.fluid_compressibility * (at[3 + to] + at[3 + from])).exp();
+            let flux = 0.5 * sliding_speed * carried - conductance * drop;
+            let mut by = spread(0.5 * sliding_speed, -drop, -conductance, 0.5 * carried);
+            for node in [from, to] {
+                by.values[3 + node] += 0.5 * self.fluid_compressibility * flux;
             }
+            terms.add(from, density, flux, &by);
+            terms.add(to, -density, flux, &by);
+            let by = spread(0.5 * drop, 0.0, 0.5 * carried, 0.0);
+            for (row, share) in DRAG.zip(shares([from, to])) {
+                terms.add(row, share, 0.5 * carried * drop, &by);
+            }
+            let by = spread(0.0, drop * drop, 2.0 * conductance * drop, 0.0);
+            terms.add(DISSIPATION, 1.0, conductance * drop * drop, &by);
         }
+    }
+}
+
+/// What a flow between two nodes depends on, behind the three gaps: the drop of pressure, the stretch of the film, and sum and difference of the
+/// surfaces' speeds.
+const DROP: usize = 3;
+const STRETCH: usize = 4;
+const SUM: usize = 5;
+const DIFFERENCE: usize = 6;
+
+/// Means of the shape functions of the three nodes between two of them.
+fn shares(pair: [usize; 2]) -> [f64; 3] {
+    match pair {
+        [0, 1] => [5.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0],
+        [1, 2] => [-1.0 / 12.0, 8.0 / 12.0, 5.0 / 12.0],
+        _ => SIMPSON,
     }
 }
 
@@ -470,8 +638,9 @@ mod tests {
         #[test]
         fn tangent_is_the_derivative_of_the_residual(
             gaps in prop::array::uniform3(0.5..2.0f64), pressures in prop::array::uniform3(-1.0..1.0f64),
-            voids in prop::array::uniform3(0.0..0.5f64), direction in prop::array::uniform9(-1.0..1.0f64), order in 1..3_i32,
-            cavitates: bool, rough: bool, thinning: bool, speed in -1.0..1.0f64, ratio in -1.5..1.5f64,
+            voids in prop::array::uniform3(0.0..0.5f64), sideways in prop::collection::vec(-1.0..1.0f64, 6),
+            direction in prop::collection::vec(-1.0..1.0f64, LOCAL), order in 1..3_i32,
+            cavitates: bool, rough: bool, thinning: bool, deforms: bool, speed in -1.0..1.0f64, ratio in -1.5..1.5f64,
         ) {
             prop_assume!(speed.abs() > 1e-3);
             // The column's Peclet number is around 1.
@@ -480,36 +649,43 @@ mod tests {
             let cavitates = cavitates && rough.is_none();
             let film = Film { fluid, shear_film_offset: 1e-7, fluid_compressibility: 1e-7, pressure_order: order, cavitates, rough };
             let length = if rough.is_some() { 3e-5 } else { 1e-4 };
-            let scaled = |v: [f64; 9]| -> Local { std::array::from_fn(|i| v[i] * [1e-6, 1e5, 1e-6][i / 3]) };
-            let at = scaled(std::array::from_fn(|i| [gaps, pressures, voids][i / 3][i % 3]));
-            let change = scaled(direction);
+            // Stretched by up to a fifth.
+            let element = Element { length: 1.1 * length, width: length, surfaces: [1.02, 0.98], deforms };
+            let far = length / 20.0;
+            let scaled = |v: &[f64]| -> Local { std::array::from_fn(|i| v[i] * [1e-6, 1e5, 1e-6, far, far][i / 3]) };
+            let at = scaled(&[&gaps, &pressures, &voids, &sideways[..]].concat());
+            let change = scaled(&direction);
             let moved = |s: f64| -> Local { std::array::from_fn(|i| at[i] + s * change[i]) };
             let rate = MassRate { rate: 5.0, history: [1e-9, -2e-9, 3e-9], mesh_speeds: [0.03, 0.01] };
             let speeds = [0.5 * speed * (1.0 + ratio), 0.5 * speed * (1.0 - ratio)];
-            let residual = |s: f64, u: [f64; 2]| film.element(length, &moved(s), u, &rate).residual;
-            let terms = film.element(length, &at, speeds, &rate);
+            let residual = |s: f64, u: [f64; 2]| film.element(&element, &moved(s), u, &rate).rows;
+            let terms = film.element(&element, &at, speeds, &rate);
             let (plus, minus) = (residual(1e-5, speeds), residual(-1e-5, speeds));
-            let linear: [f64; 3] = std::array::from_fn(|a| (0..9).map(|b| terms.tangent[a][b] * change[b]).sum());
-            let size = linear.iter().fold(1e-12, |m: f64, v| m.max(v.abs()));
-            let largest = terms.by_speeds.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
-            for a in 0..3 {
-                prop_assert!(((plus[a] - minus[a]) / 2e-5 - linear[a]).abs() < 1e-6 * size);
-                for k in 0..2 {
-                    // Upstream stays where it is.
-                    let step = 1e-6 * speed.abs();
-                    let faster = |e: f64| std::array::from_fn(|i| speeds[i] + if i == k { e } else { 0.0 });
-                    let by_speed = (residual(0.0, faster(step))[a] - residual(0.0, faster(-step))[a]) / (2.0 * step);
-                    let slope = terms.by_speeds[k][a];
-                    prop_assert!((by_speed - slope).abs() < 1e-5 * largest + 1e-15 / speed.abs(), "{} {}", by_speed, slope);
+            // Residual, forces, power.
+            for rows in [0..3, DRAG, DISSIPATION..ROWS] {
+                let linear = |row: usize| terms.along(row, &change, [0.0; 2]);
+                let size = rows.clone().fold(1e-12, |size: f64, row| size.max(linear(row).abs()));
+                let largest = terms.by_speeds.iter().flat_map(|by| &by[rows.clone()]).fold(0.0, |m: f64, v| m.max(v.abs()));
+                for row in rows {
+                    prop_assert!(((plus[row] - minus[row]) / 2e-5 - linear(row)).abs() < 1e-6 * size, "{}", row);
+                    for k in 0..2 {
+                        // Upstream stays where it is.
+                        let step = 1e-6 * speed.abs();
+                        let faster = |e: f64| std::array::from_fn(|i| speeds[i] + if i == k { e } else { 0.0 });
+                        let change = residual(0.0, faster(step))[row] - residual(0.0, faster(-step))[row];
+                        let (by_speed, slope) = (change / (2.0 * step), terms.by_speeds[k][row]);
+                        let bound = 1e-5 * largest + 1e-15 / speed.abs() + 1e-9 * terms.rows[row].abs() / speed.abs();
+                        prop_assert!((by_speed - slope).abs() < bound, "{}: {} {}", row, by_speed, slope);
+                    }
                 }
             }
             // What flows is not lost, and what is stored is the mass.
             let none = MassRate::default();
-            prop_assert!(film.element(length, &at, speeds, &none).residual.iter().sum::<f64>().abs() < 1e-20);
-            let (mass, stored) = (film.mass(&at), film.storage(&[1e-4; 3]));
+            prop_assert!(film.element(&element, &at, speeds, &none).residual().iter().sum::<f64>().abs() < 1e-20);
+            let (mass, stored) = (film.mass(&element, &at), film.storage(&[1e-4; 3]));
             prop_assert!((stored.iter().sum::<f64>() - 1e-4).abs() < 1e-16);
-            let slope = film.mass_change(&at, &change);
-            let (plus, minus) = (film.mass(&moved(1e-5)), film.mass(&moved(-1e-5)));
+            let slope = film.mass_change(&element, &at, &change);
+            let (plus, minus) = (film.mass(&element, &moved(1e-5)), film.mass(&element, &moved(-1e-5)));
             for q in 0..3 {
                 prop_assert!(((plus[q] - minus[q]) / 2e-5 - slope[q]).abs() < 1e-7 * (mass[q].abs() + slope[q].abs()));
             }
@@ -524,9 +700,10 @@ mod tests {
             let film = Film { fluid, shear_film_offset: 1e-7, fluid_compressibility: 0.0, pressure_order: order, cavitates: false, rough: None };
             let line = |middle: f64, rise: f64| [middle - rise, middle, middle + rise];
             let (gaps, pressures) = (line(1e-6, 1e-6 * slope), line(1e3, 1e5 * gradient));
-            let at: Local = std::array::from_fn(|i| [gaps, pressures, [0.0; 3]][i / 3][i % 3]);
+            let at: Local = std::array::from_fn(|i| [gaps, pressures, [0.0; 3], [0.0; 3], [0.0; 3]][i / 3][i % 3]);
+            let element = Element { length: 1e-4, width: 1e-4, surfaces: [1.0; 2], deforms: true };
             let [whole, cavitating] =
-                [film, Film { cavitates: true, ..film }].map(|f| f.element(1e-4, &at, [0.5 * speed; 2], &MassRate::default()).residual);
+                [film, Film { cavitates: true, ..film }].map(|f| f.element(&element, &at, [0.5 * speed; 2], &MassRate::default()).residual());
             prop_assert!((whole[0] + 0.5 * whole[1] - cavitating[0] - 0.5 * cavitating[1]).abs() < 1e-9 * whole[0].abs() + 1e-20);
         }
     }

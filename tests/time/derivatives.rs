@@ -44,7 +44,7 @@ fn derivatives_of_the_discrete_step() {
         assert_eq!(value.cavitated_length > 0.0, cavitation);
         for (input, scale) in Input::ALL.into_iter().zip([1e-5, 0.2, 1.0, 1e-2, 50.0]) {
             let exact = simulation.derivatives(input).unwrap().clone();
-            let h = scale * if touching { 1e-6 } else { 1e-4 };
+            let h = scale * if touching { 3e-6 } else { 1e-4 };
             let moved = |s: f64| {
                 let mut other = Simulation::new(&parameters).unwrap();
                 other.restore(&start).unwrap();

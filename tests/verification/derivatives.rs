@@ -183,7 +183,7 @@ fn of_a_thinning_fluid() {
         (thinning, 5.0, [1e-9, 2e-5, 1e-5]),
         (consistent, 5.0, [1e-9, 2e-5, 1e-5]),
         (thinning, 24.0, [1e-11, 1e-6, 1e-5]),
-        (rough, 24.0, [1e-10, 2e-6, 1e-5]),
+        (rough, 24.0, [3e-10, 2e-6, 1e-5]),
     ] {
         for ratio in [0.0, 0.4, -1.5] {
             let mut simulation = Simulation::new(&parameters).unwrap();

@@ -1,6 +1,6 @@
 //! A film on a line between rigid or Winkler-like bodies, of the crate's film elements.
 
-use cartilage_contact::equations::film::{Film, MassRate};
+use cartilage_contact::equations::film::{Element, Film, MassRate};
 use cartilage_contact::fem::assembly::scatter;
 use cartilage_contact::fem::element::SIMPSON;
 use cartilage_contact::laws::fluid::Fluid;
@@ -124,8 +124,9 @@ impl Line {
                 _ => 0.0,
             }
         });
-        let length = self.stations[2 * element + 2] - self.stations[2 * element];
-        self.film.element(length, &at, self.speeds, &self.rates[element])
+        let width = self.stations[2 * element + 2] - self.stations[2 * element];
+        let column = Element { length: width, width, surfaces: [1.0; 2], deforms: false };
+        self.film.element(&column, &at, self.speeds, &self.rates[element])
     }
 }
 
@@ -135,7 +136,7 @@ impl Problem for Line {
         residual.clear();
         residual.resize(unknowns.len(), 0.0);
         for (element, cell) in self.cells.iter().enumerate() {
-            scatter(&self.terms(element).residual, cell, residual);
+            scatter(&self.terms(element).residual(), cell, residual);
         }
         Ok(false)
     }

@@ -17,8 +17,10 @@ pub struct Pair {
 
 /// What an element of the interface has at one of its quadrature points.
 pub struct InterfacePoint {
-    /// Quadrature weight \[m\].
+    /// Quadrature weight, of the film between the deformed surfaces in the consistent formulation \[m\].
     pub weight: f64,
+    /// By what factor the film is longer there than undeformed; 1 in the paper's formulation.
+    pub stretch: f64,
     /// x, film thickness and its slope, pressure and its slope.
     pub x: f64,
     pub film_thickness: f64,
@@ -177,10 +179,18 @@ impl Pair {
             let half = 0.5 * (x[nodes[2]] - x[nodes[0]]);
             let gaps = nodes.map(|i| self.state.unknowns[self.system.layout.gap[i] as usize]);
             let pressures = nodes.map(|i| self.pressure(0, i * levels));
+            let bodies = self.system.layers.len();
+            let mean =
+                |i: usize| (0..bodies).map(|body| self.displacement(body, i * levels)[0]).sum::<f64>() / bodies as f64;
+            let deforms = if self.system.layers[0].tissue.consistent { 1.0 } else { 0.0 };
+            let sideways = nodes.map(|i| deforms * mean(i));
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 let sum = |f: [f64; 3], v: [f64; 3]| f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
+                let stretch = 1.0 + sum(quadratic_derivative(s), sideways) / half;
+                let half = half * stretch;
                 places.push(InterfacePoint {
                     weight: half * w,
+                    stretch,
                     x: sum(quadratic(s), nodes.map(|i| x[i])),
                     film_thickness: sum(quadratic(s), gaps),
                     film_slope: sum(quadratic_derivative(s), gaps) / half,

@@ -102,7 +102,7 @@ impl System {
 }
 
 impl System {
-    /// What the film beyond the ends of the sector adds to the two parts of the friction forces, see [`crate::laws::film::wall_shear`].
+    /// What the film beyond the ends of the sector adds to the two parts of the friction forces, see equation 15.
     pub fn film_end_shear(&self, at: &State, change: &Change) -> Vec<[Dual64; 2]> {
         let last = self.stations.len() - 1;
         let levels = self.layers[0].mesh.levels();
@@ -317,9 +317,12 @@ impl System {
     /// Fluid that a column of the film takes from the tissue at those of its stations where it is closed, of both bodies \[m^2/s\]: only a column that is
     /// open elsewhere does, and the less the shorter it is.
     pub fn exchange_in_contact(&self, at: &State, column: usize) -> f64 {
-        let local = self.film_local(column, &at.unknowns);
-        let rate = self.mass_rate(at.rates.as_ref(), column);
-        let terms = self.film.element(self.film_length(column), &local, at.inputs.surface_speeds(), &rate);
-        terms.residual.iter().zip(&at.active[2 * column..]).filter(|(_, active)| **active).map(|(flux, _)| flux).sum()
+        self.film_terms(column, at)
+            .residual()
+            .iter()
+            .zip(&at.active[2 * column..])
+            .filter(|(_, active)| **active)
+            .map(|(flux, _)| flux)
+            .sum()
     }
 }

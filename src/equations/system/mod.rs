@@ -349,17 +349,54 @@ impl System {
         self.gather(body, element, change, -self.part(&self.layers[body]) * penetration_depth, 0.0)
     }
 
-    fn film_local(&self, column: usize, unknowns: &[f64]) -> film::Local {
+    /// What a column of the film takes from the unknowns.
+    pub fn film_local(&self, column: usize, unknowns: &[f64]) -> film::Local {
         let levels = self.layers[0].mesh.levels();
         std::array::from_fn(|i| {
             let station = 2 * column + i % 3;
             let number = match i / 3 {
                 0 => self.layout.gap[station],
                 1 => self.layout.pressure[0][station * levels],
-                _ => self.layout.void[station],
+                2 => self.layout.void[station],
+                3 => self.layout.horizontal[0][station * levels],
+                _ => self.lower_horizontal(station),
             };
             if number == FIXED { 0.0 } else { unknowns[number as usize] }
         })
+    }
+
+    /// What a column of the film gives in a state.
+    pub fn film_terms(&self, column: usize, at: &State) -> film::Terms {
+        let rate = self.mass_rate(at.rates.as_ref(), column);
+        let local = self.film_local(column, &at.unknowns);
+        self.film.element(&self.film_element(column), &local, at.inputs.surface_speeds(), &rate)
+    }
+
+    /// Where forces of the film against its arc on the surface nodes of a column act, and with which part: along x on each body, and along
+    /// y on both, which is the equation of the mean. In the paper's formulation the tissue does not feel them, and against a counterface the part along y is
+    /// left out.
+    fn drag_on(&self, station: usize) -> impl Iterator<Item = (u32, f64)> {
+        let levels = self.layers[0].mesh.levels();
+        let felt = if self.layers[0].tissue.consistent { 1.0 } else { 0.0 };
+        let sine = self.stations[station] * grid::film_curvature(&self.parameters);
+        let along_x =
+            self.layout.horizontal.iter().map(move |numbers| (numbers[station * levels], felt * self.cosine[station]));
+        along_x.chain(self.layout.mean.get(station).map(|mean| (*mean, 2.0 * felt * sine)))
+    }
+
+    /// Adds such forces to the balances.
+    fn scatter_drag(&self, column: usize, forces: [f64; 3], values: &mut [f64]) {
+        for (a, force) in forces.into_iter().enumerate() {
+            for (number, part) in self.drag_on(2 * column + a) {
+                values[number as usize] += part * force;
+            }
+        }
+    }
+
+    /// Number of the displacement along x of the lower surface: the upper one's of mirror images, none of a rigid counterface.
+    fn lower_horizontal(&self, station: usize) -> u32 {
+        let body = if self.mirrored() { 0 } else { 1 };
+        self.layout.horizontal.get(body).map_or(FIXED, |numbers| numbers[station * self.layers[0].mesh.levels()])
     }
 
     /// Pressure and thickness of the void where there is either.
@@ -373,6 +410,19 @@ impl System {
     fn is_cavitated(&self, station: usize, unknowns: &[f64], moves: bool) -> bool {
         let [pressure, void] = self.pressure_and_void(station, unknowns);
         moves && pressure - self.parameters.cavitation_pressure < self.contact_stiffness * void
+    }
+
+    /// Whether complementarity of void and pressure changes sides anywhere between two states, by more than round-off.
+    pub fn void_changes(&self, before: &State, after: &State) -> bool {
+        let excess = |i: usize, state: &State| {
+            let [pressure, void] = self.pressure_and_void(i, &state.unknowns);
+            pressure - self.parameters.cavitation_pressure - self.contact_stiffness * void
+        };
+        let least = 1e-9 * self.stress_scale;
+        (0..self.stations.len()).filter(|i| self.layout.void[*i] != FIXED).any(|i| {
+            let [before, after] = [before, after].map(|state| excess(i, state));
+            (before < 0.0) != (after < 0.0) && before.abs().min(after.abs()) > least
+        })
     }
 
     /// Stations where the film is cavitated.
@@ -405,9 +455,21 @@ impl System {
         })
     }
 
-    /// Length of a column of the film along its arc \[m\].
-    pub fn film_length(&self, column: usize) -> f64 {
-        self.arc[2 * column + 2] - self.arc[2 * column]
+    /// A column of the undeformed film.
+    pub fn film_element(&self, column: usize) -> film::Element {
+        let ends = [2 * column, 2 * column + 2];
+        let levels = self.layers[0].mesh.levels();
+        let width = self.stations[ends[1]] - self.stations[ends[0]];
+        let surface = |body: usize| {
+            let nodes = &self.layers[body].mesh.nodes;
+            (nodes[ends[1] * levels][0] - nodes[ends[0] * levels][0]) / width
+        };
+        film::Element {
+            length: self.arc[ends[1]] - self.arc[ends[0]],
+            width,
+            surfaces: if self.layers.len() == 2 { [surface(0), surface(1)] } else { [1.0; 2] },
+            deforms: self.layers[0].tissue.consistent,
+        }
     }
 
     /// How fast what an element took up changes.

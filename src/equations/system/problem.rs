@@ -141,8 +141,10 @@ impl newton::Problem for Posed<'_> {
     }
 
     fn residual(&mut self, unknowns: &[f64], residual: &mut Vec<f64>) -> Result<bool, String> {
+        let before = self.system.film().cavitates.then(|| self.state.clone());
         self.take(unknowns);
-        let changed = self.system.residual_at(&mut self.state, residual).map_err(|inverted| inverted.to_string())?;
+        let touched = self.system.residual_at(&mut self.state, residual).map_err(|inverted| inverted.to_string())?;
+        let changed = touched || before.is_some_and(|before| self.system.void_changes(&before, &self.state));
         residual.extend(self.load.map(|balance| balance.residual(self.system.load(&self.state))));
         Ok(changed)
     }

@@ -22,10 +22,8 @@ impl System {
             };
             (0..layer.mesh.elements()).map(element).collect()
         });
-        let film = (0..self.layers[0].mesh.columns).map(|column| {
-            let length = self.film_length(column);
-            self.film.mass(&self.film_local(column, unknowns)).map(|mass| mass * length)
-        });
+        let film = (0..self.layers[0].mesh.columns)
+            .map(|column| self.film.mass(&self.film_element(column), &self.film_local(column, unknowns)));
         StoredVolumes { volume: volume.collect(), film: film.collect(), stations: self.surfaces() }
     }
 
@@ -46,9 +44,8 @@ impl System {
             (0..layer.mesh.elements()).map(element).collect()
         });
         let film = (0..self.layers[0].mesh.columns).map(|column| {
-            let length = self.film_length(column);
             let [at, change] = [unknowns, &change.unknowns].map(|values| self.film_local(column, values));
-            self.film.mass_change(&at, &change).map(|change| change * length)
+            self.film.mass_change(&self.film_element(column), &at, &change)
         });
         StoredVolumes {
             volume: volume.collect(),
@@ -78,7 +75,6 @@ impl System {
         let State { unknowns, inputs, .. } = state;
         let rates = state.rates.as_ref();
         values.fill(0.0);
-        let speeds = inputs.surface_speeds();
         let contact = self.contact(inputs);
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
@@ -108,9 +104,9 @@ impl System {
             values[self.layout.pressure[0][station * levels] as usize] += outflow.value / self.copies();
         }
         for column in 0..self.layers[0].mesh.columns {
-            let at = self.film_local(column, unknowns);
-            let terms = self.film.element(self.film_length(column), &at, speeds, &self.mass_rate(rates, column));
-            self.scatter_film(column, terms.residual, values);
+            let terms = self.film_terms(column, state);
+            self.scatter_film(column, terms.residual(), values);
+            self.scatter_drag(column, terms.drag(), values);
             if let Some(facing) = self.facing(column) {
                 let terms = facing.terms(&self.facing_local(column, unknowns));
                 scatter(&terms.residual, &self.facing_numbers(column)[facing::ROWS], values);

@@ -2,6 +2,7 @@
 
 use super::{Rates, State, StoredVolumes, System, moves};
 use crate::equations::contact::ContactTerms;
+use crate::equations::film;
 use crate::equations::inflow;
 use crate::equations::surface::RISE;
 use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
@@ -221,19 +222,20 @@ impl System {
             }
         }
         if body == 0 {
-            let at = self.film_local(column, unknowns);
-            let terms = self.film.element(
-                self.film_length(column),
-                &at,
-                inputs.surface_speeds(),
-                &self.mass_rate(rates, column),
-            );
-            for a in 0..3 {
-                for b in 0..3 {
-                    matrix[(NODES + b) * m + 2 * NODES + a] += terms.tangent[a][b] / self.copies();
-                    matrix[(2 * NODES + b) * m + 2 * NODES + a] += terms.tangent[a][3 + b] / self.copies();
-                    if self.film.cavitates {
-                        matrix[(m - 3 + b) * m + 2 * NODES + a] += terms.tangent[a][6 + b] / self.copies();
+            let terms = self.film_terms(column, state);
+            // Where the values of the film stand in the cell; the counterface's stay where they are, and the mirror image's are the upper ones.
+            let lower = if two_bodies { Some(LOCAL + 3) } else { self.mirrored().then_some(0) };
+            let drag_places = if two_bodies { [0, LOCAL + 3, LOCAL] } else { [0; 3] };
+            let places = [Some(NODES), Some(2 * NODES), self.film.cavitates.then(|| m - 3), Some(0), lower];
+            for (group, first) in places.into_iter().enumerate() {
+                for (b, place) in first.into_iter().flat_map(|first| first..first + 3).enumerate() {
+                    for a in 0..3 {
+                        let row = |row: usize| terms.tangent[row][3 * group + b];
+                        matrix[place * m + 2 * NODES + a] += row(a) / self.copies();
+                        let drag = row(film::DRAG.start + a);
+                        for ((_, part), first) in self.drag_on(2 * column + a).zip(drag_places) {
+                            matrix[place * m + first + a] += part * drag;
+                        }
                     }
                 }
             }
@@ -383,11 +385,10 @@ impl System {
             values[number] += along(outflow.by_speeds, speeds) / self.copies();
         }
         for column in 0..self.layers[0].mesh.columns {
-            let local = self.film_local(column, unknowns);
-            let rate = self.mass_rate(rates, column);
-            let terms = self.film.element(self.film_length(column), &local, inputs.surface_speeds(), &rate);
-            let change = std::array::from_fn(|a| along(terms.by_speeds.map(|by| by[a]), speeds));
-            self.scatter_film(column, change, values);
+            let terms = self.film_terms(column, at);
+            let faster = |row: usize| along(terms.by_speeds.map(|by| by[row]), speeds);
+            self.scatter_film(column, [0, 1, 2].map(faster), values);
+            self.scatter_drag(column, [0, 1, 2].map(|a| faster(film::DRAG.start + a)), values);
         }
     }
 
@@ -395,17 +396,14 @@ impl System {
     /// change. Where the film ends with a given pressure there is no balance, and it counts as none.
     pub fn film_outflow(&self, at: &State, change: &Change) -> Vec<[f64; 2]> {
         let mut outflow = vec![[0.0; 2]; self.stations.len()];
-        let (speeds, faster) = (at.inputs.surface_speeds(), change.inputs.surface_speeds(&at.inputs));
+        let faster = change.inputs.surface_speeds(&at.inputs);
         for column in 0..self.layers[0].mesh.columns {
-            let values = self.film_local(column, &at.unknowns);
+            let terms = self.film_terms(column, at);
             let local = self.film_local(column, &change.unknowns);
-            let length = self.film_length(column);
-            let terms = self.film.element(length, &values, speeds, &self.mass_rate(at.rates.as_ref(), column));
             let stored = change.history.as_ref().map_or([0.0; 3], |h| self.film.storage(&h.film[column]));
             for a in 0..3 {
-                let moved: f64 = terms.tangent[a].iter().zip(local).map(|(t, c)| t * c).sum();
-                outflow[2 * column + a][0] += terms.residual[a];
-                outflow[2 * column + a][1] += moved + stored[a] + along(terms.by_speeds.map(|by| by[a]), faster);
+                outflow[2 * column + a][0] += terms.rows[a];
+                outflow[2 * column + a][1] += terms.along(a, &local, faster) + stored[a];
             }
         }
         if self.film_ends.is_none() {
