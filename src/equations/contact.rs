@@ -237,17 +237,8 @@ impl Contact {
 mod tests {
     use super::*;
     use crate::fem::mesh::{graded, quadratic_stations};
-    use crate::laws::roughness::AsperityLaw;
+    use crate::laws::roughness::ROUGH;
     use proptest::prelude::*;
-
-    const ROUGH: Roughness = Roughness {
-        rms: 1e-6,
-        law: AsperityLaw::Exponential,
-        asperity_pressure: 2e4,
-        asperity_decay: 0.5,
-        core_pressure: 1e6,
-        core_decay: 0.2,
-    };
 
     /// Rough surfaces touch up to where a gap on a line is 3 times the roughness. Between smooth ones the pressure falls on a line to zero,
     /// from where the gap times the stiffness goes on along the same line.
@@ -257,7 +248,7 @@ mod tests {
         let edge =
             |law: ContactLaw, gaps: [f64; 2], pressure: f64| law.edge(gaps.map(Dual64::from), pressure.into()).re;
         for fraction in [0.1, 0.5, 0.8] {
-            let line = |x: f64| 3e-6 + (x - fraction) * 4e-6;
+            let line = |x: f64| (3.0 + (x - fraction) * 4.0) * ROUGH.rms;
             assert!(rough.touches(false, line(fraction - 1e-3)) && !rough.touches(false, line(fraction + 1e-3)));
             assert!((edge(rough, [line(0.0), line(1.0)], 0.0) - fraction).abs() < 1e-12);
             assert!((edge(smooth, [0.0, (1.0 - fraction) * 1e-6], fraction * 1e3) - fraction).abs() < 1e-12);
@@ -285,7 +276,7 @@ mod tests {
             let scale = |i: usize| if i < 2 * NODES { 2e-5 } else { 2e5 };
             let residual = |s: f64, friction: f64| {
                 let at: Local = std::array::from_fn(|i| (seed[i % 31] + s * direction[i % 29]) * scale(i));
-                let gaps = std::array::from_fn(|a| 1e-6 * (gaps[a] + s * opening[a]));
+                let gaps = std::array::from_fn(|a| ROUGH.rms * (gaps[a] + s * opening[a]));
                 let (mut residual, mut by_friction) = ([0.0; LOCAL], [0.0; LOCAL]);
                 let (mut tangent, mut by_gap) = ([0.0; LOCAL * LOCAL], [[0.0; LOCAL]; 3]);
                 let terms = ContactTerms {
@@ -299,7 +290,7 @@ mod tests {
             let (more, less) = (residual(0.0, 0.4).0, residual(0.0, 0.2).0);
             let linear: Local = std::array::from_fn(|i| {
                 let unknowns = (0..LOCAL).map(|j| tangent[j * LOCAL + i] * direction[j % 29] * scale(j)).sum::<f64>();
-                unknowns + (0..3).map(|a| by_gap[a][i] * 1e-6 * opening[a]).sum::<f64>()
+                unknowns + (0..3).map(|a| by_gap[a][i] * ROUGH.rms * opening[a]).sum::<f64>()
             });
             let size = linear.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             for i in 0..LOCAL {

@@ -126,17 +126,8 @@ fn dot(f: &[f64; 3], values: &[f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::laws::roughness::{AsperityLaw, Roughness};
+    use crate::laws::roughness::ROUGH;
     use proptest::prelude::*;
-
-    const ROUGH: Roughness = Roughness {
-        rms: 1e-6,
-        law: AsperityLaw::Exponential,
-        asperity_pressure: 2e4,
-        asperity_decay: 0.5,
-        core_pressure: 1e6,
-        core_decay: 0.2,
-    };
 
     fn facing(height: [f64; 3], cosine: [f64; 3], pressure_order: i32) -> Facing {
         Facing { height, cosine, scale: [3e9; 3], pressure_order, law: ContactLaw::Rough(ROUGH), counts: true }
@@ -150,7 +141,7 @@ mod tests {
             order in 1..3_i32,
         ) {
             let facing = facing([0.0, 2e-5, 9e-5], [1.0, 0.97, 0.9], order);
-            let scale = [2e-5, 2e-5, 1e-5, 1e-5, 2e5, 1e-6];
+            let scale = [2e-5, 2e-5, 1e-5, 1e-5, 2e5, ROUGH.rms];
             let at = |s: f64| -> [f64; UNKNOWNS] {
                 std::array::from_fn(|i| {
                     let place = if i < MEAN { 3e-4 * (i % 3) as f64 } else { 0.0 };

@@ -615,17 +615,8 @@ impl Mean {
 mod tests {
     use super::*;
     use crate::laws::fluid::Carreau;
-    use crate::laws::roughness::AsperityLaw;
+    use crate::laws::roughness::ROUGH;
     use proptest::prelude::*;
-
-    const ROUGH: Roughness = Roughness {
-        rms: 0.3e-6,
-        law: AsperityLaw::Exponential,
-        asperity_pressure: 20e3,
-        asperity_decay: 0.5,
-        core_pressure: 10e6,
-        core_decay: 0.1,
-    };
 
     const THINNING: Fluid = Fluid::Carreau(Carreau {
         zero_shear_viscosity: 1.0,

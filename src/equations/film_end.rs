@@ -35,15 +35,15 @@ pub struct FilmEnd {
 pub struct Outflow {
     /// e Q \[m^2/s\].
     pub value: f64,
-    /// By the gap at the end \[m/s\].
+    /// Its derivative with respect to the gap at the end \[m/s\].
     pub by_gap: f64,
-    /// By the pressure there.
+    /// With respect to the pressure there.
     pub by_pressure: f64,
-    /// By the speeds of the upper and the lower surface \[m\].
+    /// With respect to the speeds of the upper and the lower surface \[m\].
     pub by_speeds: [f64; 2],
 }
 
-/// Flow beyond the end, along a change of its causes.
+/// Flow beyond the end, along a change of what it depends on.
 struct Beyond {
     /// e Q \[m^2/s\].
     outflow: Dual64,
@@ -90,7 +90,7 @@ impl FilmEnd {
             self.fluid.viscosity(slid * slid + carried * carried + (driven / (gap * gap) * 6.0).powi(2))
         };
         // q eta(q) is concave in q > 0: from the left Newton's method goes up to the root, in one step where the viscosity is constant. The
-        // step from the root has the change of the causes.
+        // step from the root has the change along that of gap, pressure and speeds.
         let mut driven = 0.0;
         for _ in 0..100 {
             let at = Dual64::new(driven, 1.0);

@@ -102,7 +102,7 @@ impl Model {
         }
     }
 
-    /// Derivative of a variable by an input, where it has one.
+    /// Derivative of a variable with respect to an input, where it has one.
     ///
     /// # Errors
     /// [`Error::State`] where there is no state yet.
@@ -113,7 +113,7 @@ impl Model {
         }
     }
 
-    /// Derivative of a variable by time at the end of the last step, where it has one.
+    /// Derivative of a variable with respect to time at the end of the last step, where it has one.
     ///
     /// # Errors
     /// [`Error::State`] where there is no state yet.

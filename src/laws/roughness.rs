@@ -158,20 +158,22 @@ impl Roughness {
     }
 }
 
+/// Surfaces for tests.
+#[cfg(test)]
+pub(crate) const ROUGH: Roughness = Roughness {
+    rms: 0.3e-6,
+    law: AsperityLaw::Exponential,
+    asperity_pressure: 20e3,
+    asperity_decay: 0.5,
+    core_pressure: 10e6,
+    core_decay: 0.1,
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
     use proptest::prelude::*;
-
-    const ROUGH: Roughness = Roughness {
-        rms: 0.3e-6,
-        law: AsperityLaw::Exponential,
-        asperity_pressure: 20e3,
-        asperity_decay: 0.5,
-        core_pressure: 10e6,
-        core_decay: 0.1,
-    };
 
     proptest! {
         #[test]

@@ -1,4 +1,4 @@
-//! Derivatives of a state: by the inputs of its last step, and by time.
+//! Derivatives of a state with respect to the inputs of its last step, and to time.
 
 use super::bodies::{Bodies, State};
 use super::transient::{self, Motion};
@@ -53,8 +53,8 @@ fn results(bodies: &mut Bodies, state: &State, changes: &[Change]) -> Vec<Output
     changes.iter().map(|change| solved.derivatives(change)).collect()
 }
 
-/// By the inputs in the order of [`Input::ALL`] during the last step, held as they were but for a constant difference: derivatives of the steady state, or of the
-/// discrete step in time with its internal steps.
+/// Derivatives with respect to the inputs in the order of [`Input::ALL`] during the last step, held as they were but for a constant difference: those of
+/// the steady state, or of the discrete step in time with its internal steps.
 pub(super) fn by_inputs(bodies: &mut Bodies, last: &Step) -> Result<Vec<Outputs>, String> {
     let perturbation = |input: &Input, time: f64, history: Option<StoredVolumes>| {
         let (direction, load) = last.drive.change(*input, time);
@@ -101,7 +101,7 @@ pub(super) fn by_inputs(bodies: &mut Bodies, last: &Step) -> Result<Vec<Outputs>
     }
 }
 
-/// By the slide-to-roll ratio of a mirrored pair. With it the bodies part, which the equations of one body do not know.
+/// Those with respect to the slide-to-roll ratio of a mirrored pair. With it the bodies part, which the equations of one body do not know.
 pub(super) fn by_ratio(bodies: &mut Bodies, last: &Step) -> Result<Outputs, String> {
     let state = bodies.converted(last.state.clone(), false);
     let path = match &last.path {

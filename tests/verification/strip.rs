@@ -1,4 +1,4 @@
-//! One poroelastic layer with boundary conditions of one's choice, as a problem for Newton's method: steady, or marched in time.
+//! One poroelastic layer with boundary conditions of one's choice, as a problem for Newton's method: steady, or in steps in time.
 
 use std::array::from_fn;
 

@@ -111,7 +111,7 @@ impl Fibres {
         for Polar { weight, sine_squared, sine_power } in self.polar {
             let stiffening = a * sine_power * power;
             let exponential = if a == 0.0 { 1.0 } else { stiffening.exp() };
-            // s^2 d psi / dx, and g times its derivative by g
+            // s^2 d psi / dx, and g times its derivative with respect to g
             let pull = weight * sine_power * slope * exponential;
             let stiffness = pull * (b - 1.0 + b * stiffening);
             let out = (1.0 - sine_squared) / sine_squared;
@@ -140,7 +140,7 @@ impl Fibres {
         self.mean(Matrix2::zeros(), strain, |m, f, g| f * m.transpose() * (2.0 * self.means(g).in_plane[0]))
     }
 
-    /// Its derivative by F \[Pa\].
+    /// Its derivative with respect to F \[Pa\].
     pub(super) fn tangent(&self, strain: &Strain) -> Matrix4<f64> {
         self.mean(Matrix4::zeros(), strain, |m, f, g| {
             let [pull, stiffness] = self.means(g).in_plane;
@@ -160,7 +160,7 @@ impl Fibres {
         self.mean(0.0, strain, |_, _, g| 2.0 * self.means(g).out_of_plane[0])
     }
 
-    /// Its derivative by F \[Pa\].
+    /// Its derivative with respect to F \[Pa\].
     pub(super) fn out_of_plane_derivative(&self, strain: &Strain) -> Vector4<f64> {
         self.mean(Vector4::zeros(), strain, |m, f, g| {
             flatten(&(f * m.transpose())) * (4.0 * self.means(g).out_of_plane[1])

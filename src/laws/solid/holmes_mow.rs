@@ -42,7 +42,7 @@ impl HolmesMow {
         (self.stiffening_coefficient * self.exponent(i, e)).exp()
     }
 
-    /// Derivatives of Q by I1 and J.
+    /// Derivatives of Q with respect to I1 and J.
     fn exponent_derivatives(&self, e: f64) -> [f64; 2] {
         let (g, lame, j) = (self.shear_modulus, self.lame(), 1.0 + e);
         let factor = 2.0 * self.stiffening_coefficient / (lame + 2.0 * g);

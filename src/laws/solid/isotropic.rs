@@ -62,7 +62,7 @@ pub(super) fn tangent(first: &FirstDerivatives, second: &SecondDerivatives, stra
 }
 
 impl OutOfPlane {
-    /// Derivative of P_zz by F, in the order of [`flatten`].
+    /// Derivative of P_zz with respect to F, in the order of [`flatten`].
     pub(super) fn by_strain(&self, strain: &Strain) -> Vector4<f64> {
         flatten(&strain.deformation_gradient()) * (2.0 * self.by_invariant) + flatten(&strain.cofactor) * self.by_volume
     }

@@ -167,7 +167,7 @@ impl Solid {
             + self.fibres.as_ref().map_or(0.0, |fibres| fibres.out_of_plane_stress(strain))
     }
 
-    /// Its derivative by F \[Pa\], in the order of [`flatten`].
+    /// Its derivative with respect to F \[Pa\], in the order of [`flatten`].
     pub fn out_of_plane_derivative(&self, strain: &Strain) -> Vector4<f64> {
         let derivative = self.matrix.out_of_plane(strain).by_strain(strain);
         match &self.fibres {
