@@ -15,7 +15,7 @@ cd "$(dirname "$0")/.."
 GLIBC=2.17
 ZIG=0.17.1
 CARGO_ZIGBUILD=0.24.0
-FUNCTIONS=109 # 34 of FMI 2.0 co-simulation, 75 of FMI 3.0
+FUNCTIONS=119 # 44 of FMI 2.0 (10 of them refuse: those of model exchange), 75 of FMI 3.0
 LARGEST=6000000 # bytes of a library for one processor
 built=${CARGO_TARGET_DIR:-target}
 tools=$built/release-tools
@@ -48,11 +48,14 @@ can_build() {
 # For Windows and macOS it is optimised as a whole, so that Rust leaves out what nothing calls. On Linux the linker does that; there it
 # cannot, because all functions are exported (cargo-zigbuild or zig drops Rust's list of exports), and on Windows they share sections too.
 build_library() {
-    local target=${1%.2.*} size
+    local target=${1%.2.*} size name=()
     if [[ $target == *linux* ]]; then
         cargo zigbuild --release --locked --lib --no-default-features --target "$1"
     else
-        CARGO_PROFILE_RELEASE_LTO=fat cargo-zigbuild rustc --release --locked --lib --crate-type cdylib --no-default-features --target "$1"
+        # Without a name of its own a library of macOS carries the path where it was linked.
+        if [[ $target == *darwin* ]]; then name=(-- -C link-arg=-Wl,-install_name,@rpath/CartilageLineContact.dylib); fi
+        CARGO_PROFILE_RELEASE_LTO=fat cargo-zigbuild rustc --release --locked --lib --crate-type cdylib --no-default-features \
+            --target "$1" "${name[@]}"
     fi
     mkdir -p "$built/release-libraries/$target"
     library=$built/release-libraries/$target/$2
@@ -60,6 +63,10 @@ build_library() {
     size=$(wc -c <"$library")
     echo "$target: $size bytes"
     [ "$size" -le "$LARGEST" ]
+    if grep -qaF "$(realpath "$built")" "$library"; then
+        echo "$library names the folder in which it was built"
+        return 1
+    fi
 }
 
 # Whether a table of symbols has all functions of both standards.
@@ -147,7 +154,9 @@ fi
 cargo run --release --locked -- package "${libraries[@]}" --output "$output/CartilageLineContact.fmu"
 for platform in "${platforms[@]}"; do
     read -r tag target folder program library <<<"$platform"
-    cargo zigbuild --release --locked --bin cartilage-contact --target "$target"
+    # As the library of that platform, and for the same reasons.
+    if [[ $target == *linux* ]]; then lto=false; else lto=fat; fi
+    CARGO_PROFILE_RELEASE_LTO=$lto cargo zigbuild --release --locked --bin cartilage-contact --target "$target"
     native=$built/release-native
     rm -rf "$native"
     mkdir -p "$native"

@@ -87,10 +87,8 @@ fn time(step: i32) -> f64 {
     start + (stop - start) * f64::from(step) / f64::from(STEPS)
 }
 
-/// The input of the reference experiment: from 10 micron of clearance to 20 micron of penetration, and back.
-fn depth(step: i32) -> f64 {
-    f64::from(20 - 6 * (step - STEPS / 2).abs()) * 1e-6
-}
+/// The input of the reference experiment during each step: from 10 micron of clearance to 20 micron of penetration, and back.
+const DEPTHS: [f64; STEPS as usize] = [-10e-6, -2.5e-6, 5e-6, 12.5e-6, 20e-6, 20e-6, 12.5e-6, 5e-6, -2.5e-6, -10e-6];
 
 #[test]
 fn the_reference_result_is_what_the_fmu_returns() {
@@ -102,14 +100,16 @@ fn the_reference_result_is_what_the_fmu_returns() {
     let names: Vec<_> = outputs.iter().map(|variable| variable.name).collect();
     let mut result = format!("time,{}\n", names.join(","));
     for step in 0..=STEPS {
-        // The input of a row holds during the step that begins there: the row before is that of its end.
-        instance.set_real(&[reference("penetration_depth")], &[depth(step)]).unwrap();
+        // The input of a row holds during the step that begins there, as FMPy has it.
         if step == 0 {
+            instance.set_real(&[reference("penetration_depth")], &[DEPTHS[0]]).unwrap();
             instance.exit_initialization_mode().unwrap();
         } else {
+            let depth = DEPTHS[step as usize - 1];
+            instance.set_real(&[reference("penetration_depth")], &[depth]).unwrap();
             instance.do_step(time(step - 1), time(step) - time(step - 1)).unwrap();
+            writeln!(input, "{:?},{depth:?}", time(step - 1)).unwrap();
         }
-        writeln!(input, "{:?},{:?}", time((step - 1).max(0)), depth(step)).unwrap();
         write!(result, "{:?}", time(step)).unwrap();
         for variable in &outputs {
             let reference = [reference(variable.name)];

@@ -50,7 +50,11 @@ impl Messenger {
     /// Hands a line to the importer.
     pub fn tell(&self, line: &Line) {
         // `#` starts a variable reference in FMI's messages; NUL would end the text.
-        let message = line.message.replace('#', "##").replace('\0', " ");
+        let mut message = line.message.replace('#', "##").replace('\0', " ");
+        if matches!(self.listener, Listener::Formatting(..)) {
+            // A format without arguments: importers that cannot take variable arguments, such as ctypes, show the format itself.
+            message = message.replace('%', "%%");
+        }
         let (Ok(category), Ok(message)) = (CString::new(line.category.name()), CString::new(message)) else { return };
         let (environment, status) = (self.environment, line.status as c_uint);
         // SAFETY: the importer vouches for its logger and environment until the instance is freed; the strings outlive
@@ -58,7 +62,7 @@ impl Messenger {
         unsafe {
             match &self.listener {
                 Listener::Formatting(Some(logger), name) => {
-                    logger(environment, name.as_ptr(), status, category.as_ptr(), c"%s".as_ptr(), message.as_ptr());
+                    logger(environment, name.as_ptr(), status, category.as_ptr(), message.as_ptr());
                 }
                 Listener::Plain(Some(logger)) => logger(environment, status, category.as_ptr(), message.as_ptr()),
                 Listener::Formatting(None, _) | Listener::Plain(None) => {}

@@ -1,4 +1,5 @@
-//! The 34 functions of FMI 2.0 for co-simulation. The standard says what they do; [`Instance`] does it.
+//! The 34 functions of FMI 2.0 for co-simulation, and 10 that refuse in [`model_exchange`]. The standard says what they do; [`Instance`] does
+//! it.
 //!
 //! Enumerations of C arrive as integers, so that no value that C may pass is undefined in Rust.
 //!
@@ -7,6 +8,8 @@
 //! arrays are as long as their count says, strings end with NUL. Null handles and null pointers are answered with
 //! `fmi2Error`.
 #![allow(unsafe_code, clippy::missing_safety_doc)]
+
+pub mod model_exchange;
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 

@@ -17,7 +17,7 @@
 //! | [`archive`] | the `.fmu` files |
 //! | `importer` | the other side of the interface, for the command line |
 //! | [`boundary`] | handles, slices and strings from C, panics |
-//! | [`fmi2`] | the 34 functions of FMI 2.0 for co-simulation |
+//! | [`fmi2`] | the 44 functions of FMI 2.0: 34 for co-simulation, and 10 for model exchange, which refuse |
 //! | [`fmi3`] | the 75 functions of FMI 3.0 |
 
 pub mod answer;

@@ -1,7 +1,9 @@
 """FMPy runs both FMUs; libcosim, which knows FMI 2 only, runs that."""
 
+import html
 import os
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
+from fmpy.util import read_csv
 from fmpy.validation import validate_fmu
 
 RAMP = np.array([(0.0, -10e-6), (1.0, 5e-6)], dtype=[("time", float), ("penetration_depth", float)])
@@ -26,6 +29,19 @@ def test_the_default_experiment_runs_and_every_output_is_finite(fmu, description
     assert len(result) == 11
     assert {v.name for v in description.modelVariables if v.causality == "output"} <= set(result.dtype.names)
     assert all(np.isfinite(result[name]).all() for name in result.dtype.names)
+
+
+def test_the_default_experiment_with_the_reference_input_presses_and_releases(fmu, folder):
+    # The first program of the FMU's page, with its FMU.
+    page = Path(folder, "documentation", "index.html").read_text(encoding="utf-8")
+    program = html.unescape(page.split("<pre>")[1].split("</pre>")[0])
+    found = {}
+    exec(program.replace("CartilageLineContact.fmu", Path(fmu).as_posix()), found)
+    expected = read_csv(f"{found['reference']}/result.csv")
+    assert found["result"]["load"] == pytest.approx(expected["load"], rel=1e-4)
+    assert found["result"]["time"] == pytest.approx(expected["time"])
+    load = found["result"]["load"]
+    assert load.max() > 100 * load[0] and load[-1] == pytest.approx(load[0], rel=1e-4)
 
 
 def test_a_preset_with_other_values_in_any_order(fmu, description):
