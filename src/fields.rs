@@ -7,7 +7,6 @@ use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue};
 use crate::fem::element::{
     NODES, POINTS, SIMPSON, pressure, pressure_derivative, quadratic, quadratic_derivative, tensor,
 };
-use crate::laws::film::reynolds_flux;
 use crate::laws::kinematics::Strain;
 use crate::parameters::Inputs;
 use crate::solver::linear::FIXED;
@@ -190,7 +189,7 @@ impl Solved<'_> {
             _ => vec![0.0; stations],
         };
         let outflow: Vec<f64> = upper_outflow.iter().zip(&lower_outflow).map(|(a, b)| a + b).collect();
-        let film_flux = self.film_flux(&film_thickness, &fluid_pressure, &void_thickness, &outflow, &weight);
+        let film_flux = self.film_flux(&film_thickness, &outflow, &weight);
         Ok(InterfaceFields {
             position: system.stations.clone(),
             film_thickness,
@@ -205,23 +204,13 @@ impl Solved<'_> {
         })
     }
 
-    /// Flux along the film: the formula where the film is thinnest, from there on what the outflows add.
+    /// Flux along the film: the scheme's where the film is thinnest, from there on what the outflows add.
     ///
-    /// The formula multiplies the slope of the pressure by h^3, which makes the slightest error large where the film is thick.
-    fn film_flux(&self, film: &[f64], pressure: &[f64], void: &[f64], outflow: &[f64], weight: &[f64]) -> Vec<f64> {
-        // Middles of elements, where the slope of a quadratic pressure is best.
+    /// Reynolds' equation multiplies the slope of the pressure by h^3, which makes the slightest error large where the film is thick.
+    fn film_flux(&self, film: &[f64], outflow: &[f64], weight: &[f64]) -> Vec<f64> {
         let middles = (1..film.len()).step_by(2);
         let thinnest = middles.min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(1);
-        let column = thinnest / 2;
-        let element = self.system.film_element(column);
-        let local = self.system.film_local(column, &self.state.unknowns);
-        let (surfaces, stretch) = element.stretches(0.0, &local, &local);
-        let [upper, lower] = self.state.inputs.surface_speeds();
-        let speed = upper * surfaces[0].re + lower * surfaces[1].re;
-        let slope = (pressure[thinnest + 1] - pressure[thinnest - 1]) / (element.length * stretch.re);
-        let (fluid, offset) = (&self.system.film().fluid, self.system.parameters().shear_film_offset);
-        let flux = reynolds_flux(fluid, film[thinnest], slope, [speed, upper - lower], offset);
-        let known = flux.value - 0.5 * void[thinnest] * speed;
+        let known = self.system.film_flux(thinnest / 2, self.state);
         let mut sum = 0.0;
         let added: Vec<f64> = outflow
             .iter()

@@ -31,7 +31,8 @@ const LARGE_END: f64 = 0.03;
 /// And of the friction: of 48 random cases six were 4 % off and more, and five of these are above it; all others are below 0.01. Of 20 with smooth surfaces
 /// that touch and slide 16 were 3 % off and more, and are above it; the others are below 0.02.
 const LARGE_FRICTION_ERROR: f64 = 0.03;
-/// Difference of the power of the forces on the bones and of what their tissue feels over what friction takes, that is worth one.
+/// Difference of the power of the forces on the bones and of what their tissue feels over what friction takes, and of power that goes nowhere over what
+/// takes some, that is worth one.
 const LARGE_POWER_ERROR: f64 = 0.1;
 /// Distance along the surfaces of points that are paired, over the half-width of the interface, that is worth one: by
 /// `the_load_does_not_depend_on_which_nodes_are_paired` half as much is off of the load.
@@ -179,6 +180,18 @@ impl Solved<'_> {
                 100.0 * power_error
             ));
         }
+        // What the turning bones put in and nothing takes; in time something stores it.
+        let taken = lost + outputs.pore_flow_dissipation + outputs.carried_power;
+        let least = LEAST_FRICTION * (outputs.normal_force * inputs.sliding_speed).abs();
+        let unaccounted = (outputs.rotation_power - taken).abs() / taken.abs().max(least);
+        if consistent && self.state.rates.is_none() && unaccounted > LARGE_POWER_ERROR {
+            warnings.push(format!(
+                "{:.0} % of the power that rolling takes goes nowhere: moments on the bones and rotation_power are off by as much of it, a friction \
+                 coefficient of {:.0e}; load, depth and film are not concerned: more mesh.columns",
+                100.0 * unaccounted,
+                (outputs.rotation_power - taken).abs() / (outputs.normal_force * inputs.sliding_speed).abs()
+            ));
+        }
         let rise = system.neglected_rise(self.state).abs();
         if consistent && rise > LARGE_ERROR * inputs.penetration_depth.abs() && rise > THINNEST_FILM {
             warnings.push(format!(
@@ -196,8 +209,7 @@ impl Solved<'_> {
             ));
         }
         let slip = local_slip(self, &fluid, &solid);
-        let taken = lost.max(LEAST_FRICTION * outputs.normal_force.abs() * inputs.sliding_speed.abs());
-        if consistent && slip.power * p.width > LARGE_SLIP_POWER * taken {
+        if consistent && slip.power * p.width > LARGE_SLIP_POWER * lost.max(least) {
             warnings.push(format!(
                 "surfaces that roll are stretched unlike and slip on each other by up to {:.1e} m/s where the solids press: friction goes by the speeds of \
                  the bones, and leaves out up to {:.1e} W that this slip takes, a friction coefficient of {:.1e}; more sliding (slide_to_roll_ratio) \

@@ -309,7 +309,7 @@ macro_rules! results {
     };
 }
 
-// Value references: 485 and on are free for all variables, those from 1000 for profiles, which take 101 each. Those of variables that
+// Value references: 604 and on are free for all variables, those from 1000 for profiles, which take 101 each. Those of variables that
 // are no more are in src/variables/table.rs.
 results! {
     /// L = L_f + L_s.

@@ -372,6 +372,15 @@ impl System {
         self.film.element(&self.film_element(column), &local, at.inputs.surface_speeds(), &rate)
     }
 
+    /// Mean flux of the film in a column along +x \[m^2/s\].
+    pub fn film_flux(&self, column: usize, at: &State) -> f64 {
+        let local = self.film_local(column, &at.unknowns);
+        let still = MassRate::default();
+        let rows = self.film.element(&self.film_element(column), &local, at.inputs.surface_speeds(), &still).rows;
+        // Tested with the straight line from 1 to 0, whose slope is one over the length.
+        rows[0] + 0.5 * rows[1]
+    }
+
     /// Where forces of the film against its arc on the surface nodes of a column act, and with which part: along x on each body, and along
     /// y on both, which is the equation of the mean. In the paper's formulation the tissue does not feel them, and against a counterface the part along y is
     /// left out.
