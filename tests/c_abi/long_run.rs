@@ -19,7 +19,7 @@ const WARM_UP: u32 = 5;
 /// `visit` is told the number of cycles done.
 fn walk(standard: Standard, cycles: u32, mut visit: impl FnMut(u32)) {
     let fmu = Fmu::fresh(standard);
-    assert_eq!((fmu.set_integer("mesh.columns", 12), fmu.set_integer("mesh.rows", 1)), (OK, OK));
+    assert_eq!((fmu.set_integer("mesh.columns", 16), fmu.set_integer("mesh.rows", 1)), (OK, OK));
     assert_eq!((fmu.set_choice("formulation", 2), fmu.set_real("relative_tolerance", 1e-2)), (OK, OK));
     assert_eq!((fmu.set_choice("time_integration", 2), fmu.set_choice("control", 2)), (OK, OK));
     let given = ["applied_load", "sliding_speed"].map(reference);
@@ -52,7 +52,7 @@ fn walk(standard: Standard, cycles: u32, mut visit: impl FnMut(u32)) {
                 let bytes = fmu.bytes(state);
                 fmu.free_state(state);
                 assert_eq!(fmu.set_reals(&given, &[10.0, 0.3]), OK);
-                assert_eq!(fmu.step(time, STEP), OK);
+                assert_eq!(fmu.step(time, STEP), OK, "{cycle} {step} {:?}", fmu.take_messages());
                 let (status, state) = fmu.state_from(&bytes);
                 assert_eq!((status, fmu.set_state(state)), (OK, OK));
                 fmu.free_state(state);

@@ -44,7 +44,7 @@ fn a_fifth_of_the_load_is_near() {
             joint.outputs().newton_iterations
         };
         go(load);
-        let iterations = [1, 2, 1, 0, 1, 2, 3].map(|steps| go(load * 1.2_f64.powi(steps)));
+        let iterations = [1, 2, 1, 0, 1, 2, 1].map(|steps| go(load * 1.2_f64.powi(steps)));
         println!("{preset:?} {load} N/m: {iterations:?}");
         assert!(iterations.iter().all(|count| *count <= most), "{preset:?} {load} N/m: {iterations:?}");
     }
