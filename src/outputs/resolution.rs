@@ -7,7 +7,7 @@ use crate::equations::grid;
 use crate::equations::system::{Change, Solved};
 use crate::fem::element::SIMPSON;
 use crate::laws::contact::mobilised_friction;
-use crate::parameters::Formulation;
+use crate::parameters::{Control, Formulation};
 
 /// What can be said of a solution's resolution.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -220,7 +220,9 @@ impl Solved<'_> {
             ));
         }
         if grid::moves(p) {
-            let ratio = grid::contact_half_width(p, inputs, p.control) / system.contact_half_width();
+            // In time the mesh goes with the depth.
+            let control = if self.state.rates.is_some() { Control::Depth } else { p.control };
+            let ratio = grid::contact_half_width(p, inputs, control) / system.contact_half_width();
             if !(0.7..=1.4).contains(&ratio) {
                 warnings.push(format!(
                     "the mesh is made for a contact {:.1} times as wide as the present one: start nearer to it",

@@ -208,7 +208,10 @@ impl Simulation {
         let [before, now, wanted] = [last.drive.at(0.0), last.drive.at(last.duration), drive.at(duration)]
             .map(|inputs| self.bodies.contact_half_width(&inputs, control));
         let expected = motion.map(|_| now * (now / before).powf(duration / last.duration));
-        let contact = contact_for(wanted, expected);
+        // Under a given load the contact goes with the depth, which lags behind.
+        let lag = self.bodies.contact_half_width(&last.state.inputs, Control::Depth) / now;
+        let lag = if control == Control::Load && lag.is_finite() { lag } else { 1.0 };
+        let contact = contact_for(lag * wanted, expected.map(|expected| lag * expected));
         let (state, motion, iterations) =
             transient::advance(&mut self.bodies, &last.state, motion, contact, &drive, duration)?;
         self.accept(Step {
