@@ -10,6 +10,8 @@ use super::fluid::Fluid;
 pub struct ReynoldsFlux {
     /// Q \[m^2/s\].
     pub value: f64,
+    /// What pressure drives of it.
+    pub driven: f64,
     /// dQ/dh \[m/s\].
     pub by_film_thickness: f64,
     /// dQ/d(dp/dx) \[m^4/(N s) m\].
@@ -50,6 +52,7 @@ pub fn reynolds_flux(
     let by_difference = by_viscosity * film.viscosity_by_difference;
     ReynoldsFlux {
         value: -conductance * pressure_gradient + 0.5 * speed * gap,
+        driven: -conductance * pressure_gradient,
         by_film_thickness: -3.0 * conductance / gap * pressure_gradient
             + 0.5 * speed
             + by_rate * rate_slope
