@@ -390,7 +390,7 @@ impl Instance {
             let kind = warning.split(|c: char| c.is_ascii_digit()).next().unwrap_or_default();
             if !self.told.iter().any(|told| told == kind) {
                 self.told.push(kind.into());
-                self.log.add(Status::Warning, Category::Solver, format!("time {}: {warning}", self.settings.time));
+                self.log.add(Status::Warning, Category::Warning, format!("time {}: {warning}", self.settings.time));
             }
         }
         Ok(())

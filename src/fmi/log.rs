@@ -24,16 +24,19 @@ pub enum Category {
     Discard,
     /// Why a call returned `fmi2Fatal`.
     Fatal,
+    /// What mesh and sector do not resolve, and what the equations leave out.
+    Warning,
     /// What the solver did, a line a solution.
     Solver,
 }
 
 impl Category {
     /// All categories with name and description, in the order of the enum.
-    pub const ITEMS: [(&'static str, &'static str); 4] = [
+    pub const ITEMS: [(&'static str, &'static str); 5] = [
         ("logStatusError", "Why a call was refused: which variable, which value, what is allowed"),
         ("logStatusDiscard", "Why a step could not be done"),
         ("logStatusFatal", "A fault in the FMU itself"),
+        ("logStatusWarning", "What is doubtful about a result, each kind once"),
         ("logSolver", "What the solver did, a line a solution"),
     ];
 
@@ -57,14 +60,14 @@ pub struct Line {
 /// Lines that wait to be handed to the importer, and which categories it wants.
 #[derive(Debug, Clone)]
 pub struct Log {
-    enabled: [bool; 4],
+    enabled: [bool; 5],
     lines: Vec<Line>,
 }
 
 impl Log {
-    /// Refusals and failures are always told; `debug` adds the rest.
+    /// Refusals, failures and warnings are always told; `debug` adds the rest.
     pub fn new(debug: bool) -> Self {
-        Self { enabled: [true, true, true, debug], lines: Vec::new() }
+        Self { enabled: [true, true, true, true, debug], lines: Vec::new() }
     }
 
     /// Switches categories on or off; none named means all.
@@ -74,7 +77,7 @@ impl Log {
     pub fn switch(&mut self, on: bool, categories: &[String]) -> Result<(), String> {
         let mut enabled = self.enabled;
         if categories.is_empty() {
-            enabled = [on; 4];
+            enabled = [on; 5];
         }
         for category in categories {
             match Category::ITEMS.iter().position(|(name, _)| name == category) {

@@ -12,6 +12,7 @@ use cartilage_contact::fmi::standard::Standard;
 use cartilage_contact::variables::VARIABLES;
 
 pub const OK: c_uint = 0;
+pub const WARNING: c_uint = 1;
 pub const DISCARD: c_uint = 2;
 pub const ERROR: c_uint = 3;
 pub const FATAL: c_uint = 4;
@@ -152,9 +153,9 @@ impl Fmu {
         std::mem::take(&mut self.messages.lock().unwrap())
     }
 
-    /// The one message of a refused call.
+    /// The one message of a refused call, besides warnings.
     pub fn message(&self) -> String {
-        let messages = self.take_messages();
+        let messages: Vec<_> = self.take_messages().into_iter().filter(|message| message.0 > WARNING).collect();
         assert_eq!(messages.len(), 1, "{messages:?}");
         messages[0].2.clone()
     }

@@ -76,7 +76,7 @@ fn walk(standard: Standard, cycles: u32, mut visit: impl FnMut(u32)) {
     }
     println!("{} steps: cycles differ by {worst:e}", cycles * CYCLE);
     assert!(expected.iter().any(|now| now[2] > 0.0) && expected.iter().any(|now| now[2] == 0.0));
-    assert!(fmu.take_messages().is_empty());
+    assert!(fmu.take_messages().iter().all(|message| message.0 <= WARNING));
 }
 
 #[test]

@@ -11,6 +11,14 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::canvas::{self, Canvas, Lettering, palette};
 use super::panel::{self, Axis, Line, Panel, Scale, range_of};
 
+/// An estimated error of the film above this is a film that the mesh does not resolve.
+pub const RESOLVED: f64 = 0.1;
+
+/// The least film thickness where the mesh resolves it \[m\].
+pub fn resolved_film(outputs: &Outputs) -> Option<f64> {
+    Some(outputs.minimum_film_thickness).filter(|_| outputs.estimated_film_error <= RESOLVED)
+}
+
 const SIZE: (u32, u32) = (1600, 1510);
 
 /// One communication point.
@@ -128,7 +136,9 @@ fn panels(transient: &[State], steady: &[State]) -> Vec<Panel> {
             Linear,
             vec![line(transient, "", palette::BLACK, false, |state| state.inputs.sliding_speed)],
         ),
-        result("Thinnest film", "h [\u{b5}m]", Linear, &|state| 1e6 * state.outputs.minimum_film_thickness),
+        result("Thinnest film", "h [\u{b5}m]", Linear, &|state| {
+            resolved_film(&state.outputs).map_or(f64::NAN, |film| 1e6 * film)
+        }),
         result("Penetration depth", "d [\u{b5}m]", Linear, &|state| 1e6 * state.outputs.penetration_depth),
         result("Friction coefficient", "\u{3bc} [\u{2212}]", Logarithmic, &|state| {
             // Where sliding turns there is none, and a logarithm would show little else.

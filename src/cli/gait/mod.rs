@@ -15,7 +15,7 @@ use indicatif::ProgressBar;
 
 use self::cycle::{Cycle, PUBLISHED, Scales};
 use super::case::CaseArguments;
-use super::figures::gait::State;
+use super::figures::gait::{RESOLVED, State, resolved_film};
 use super::stribeck::progress;
 use super::{Failure, figures, format, print};
 
@@ -352,7 +352,7 @@ fn table(transient: &[State], steady: &[State]) -> String {
     let rows: [Row; 13] = [
         ("largest load [N/m]", &|s| most(s, |o| o.load)),
         ("deepest penetration [um]", &|s| 1e6 * most(s, |o| o.penetration_depth)),
-        ("thinnest film, where resolved [um]", &|s| 1e6 * least(s, resolved_film)),
+        ("thinnest film, where resolved [um]", &|s| 1e6 * least(s, |o| resolved_film(o).unwrap_or(f64::INFINITY))),
         ("longest contact [mm]", &|s| 1e3 * most(s, |o| o.contact_length)),
         ("least fluid load support", &|s| least(s, |o| o.fluid_load_support)),
         ("largest friction coefficient", &|s| most(s, |o| o.friction_coefficient)),
@@ -400,14 +400,6 @@ fn verdict(transient: &Transient, tolerance: f64) -> String {
     }
 }
 
-/// An estimated error of the film above this is a film that the mesh does not resolve.
-const RESOLVED: f64 = 0.1;
-
-/// The least film thickness, where the mesh resolves it \[m\].
-fn resolved_film(outputs: &Outputs) -> f64 {
-    if outputs.estimated_film_error > RESOLVED { f64::INFINITY } else { outputs.minimum_film_thickness }
-}
-
 /// What mesh and sector leave open in the cycle in time.
 fn resolution(states: &[State]) -> String {
     let sorted = |get: fn(&Outputs) -> f64| {
@@ -418,12 +410,12 @@ fn resolution(states: &[State]) -> String {
     let load = sorted(|o| o.estimated_load_error);
     let [film, friction] = [sorted(|o| o.estimated_film_error), sorted(|o| o.estimated_friction_error)];
     let percent = |value: Option<&f64>| format!("{} %", format::number(100.0 * value.copied().unwrap_or_default(), 2));
-    let unresolved = film.iter().filter(|error| **error > RESOLVED).count();
+    let unresolved = states.iter().filter(|state| resolved_film(&state.outputs).is_none()).count();
     let warned = states.iter().filter(|state| !state.outputs.well_resolved).count();
     format!(
-        "Errors by the mesh, estimated: load {} at most, thinnest film {} in the median and {} at most (at {unresolved} instants it is above \
-         {} and not in the table), friction {} in the median and {} at most. {warned} of {} instants carry a warning; estimated_load_error, estimated_film_error and estimated_friction_error in gait.csv \
-         say where.\n",
+        "Errors by the mesh, estimated: load {} at most, thinnest film {} in the median and {} at most (instants above {}, left out of \
+         table and picture: {unresolved}), friction {} in the median and {} at most. {warned} of {} instants carry a warning; \
+         estimated_load_error, estimated_film_error and estimated_friction_error in gait.csv say where.\n",
         percent(load.last()),
         percent(film.get(film.len() / 2)),
         percent(film.last()),
