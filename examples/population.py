@@ -28,6 +28,7 @@ import os
 import tempfile
 import time
 from contextlib import redirect_stdout
+from functools import cache
 from pathlib import Path
 
 from start import FMU, TOML, joint_case, needs, options, set_values, tell
@@ -81,16 +82,23 @@ def memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
+@cache
+def unpacked(fmu: str) -> tempfile.TemporaryDirectory:
+    """The FMU, unpacked once a process: a library that is loaded from another folder is another one, and takes its memory again."""
+    folder = tempfile.TemporaryDirectory()
+    extract(fmu, unzipdir=folder.name)
+    return folder
+
+
 def run_knee(number: int, fmu: str, folder: str, numerics: dict, speeds) -> tuple[int, str]:
     """Sweeps one knee and writes its file; returns its number and what went wrong, if anything."""
     knee, rows, log, begin = draw_knee(number), [], io.StringIO(), time.process_time()
     # FMPy prints what the FMU logs: warnings, why a call was refused or a step not done.
-    with tempfile.TemporaryDirectory() as unpacked, redirect_stdout(log):
-        extract(fmu, unzipdir=unpacked)
+    with redirect_stdout(log):
         description = read_model_description(fmu)
         references = {variable.name: variable.valueReference for variable in description.modelVariables}
         contact = FMU2Slave(
-            guid=description.guid, unzipDirectory=unpacked, modelIdentifier=description.coSimulation.modelIdentifier,
+            guid=description.guid, unzipDirectory=unpacked(fmu).name, modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=f"knee {number}",
         )  # fmt: skip
         problem = ""
