@@ -39,6 +39,8 @@ const LARGE_POWER_ERROR: f64 = 0.1;
 const LARGE_MISMATCH: f64 = 0.03;
 /// Power of local slip that friction does not reckon with, over what friction takes, that is worth one.
 const LARGE_SLIP_POWER: f64 = 0.1;
+/// Pressure over the tissue's shear modulus at which solids count as pressing where slip is looked for.
+const LEAST_PRESSING: f64 = 0.01;
 /// Friction below this fraction of the load is none.
 const LEAST_FRICTION: f64 = 1e-5;
 /// A film thinner than this is none \[m\].
@@ -186,8 +188,8 @@ impl Solved<'_> {
         let unaccounted = (outputs.rotation_power - taken).abs() / taken.abs().max(least);
         if consistent && self.state.rates.is_none() && unaccounted > LARGE_POWER_ERROR {
             warnings.push(format!(
-                "{:.0} % of the power that rolling takes goes nowhere: moments on the bones and rotation_power are off by as much of it, a friction \
-                 coefficient of {:.0e}; load, depth and film are not concerned: more mesh.columns",
+                "{:.0} % of the power that the turning bones put in goes nowhere: moments on the bones and rotation_power may be off by as much, a \
+                 friction coefficient of {:.0e}: more mesh.columns",
                 100.0 * unaccounted,
                 (outputs.rotation_power - taken).abs() / (outputs.normal_force * inputs.sliding_speed).abs()
             ));
@@ -268,7 +270,7 @@ fn local_slip(solved: &Solved<'_>, fluid_pressure: &[f64], solid: &[Dual64]) -> 
             let difference = speeds[0] - speeds[1];
             let traction = p.boundary_friction_coefficient * rubbing;
             slip.power += traction * (mobilised(speeds) - reckoned) * difference * simpson * element.length * film.re;
-            if solid[station].re > 0.01 * p.upper.shear_modulus {
+            if solid[station].re > LEAST_PRESSING * p.upper.shear_modulus {
                 slip.speed = slip.speed.max((difference - upper + lower).abs());
             }
         }
