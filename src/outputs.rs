@@ -12,7 +12,6 @@ use crate::equations::film::{DISSIPATION, DRAG};
 use crate::equations::system::{Change, Solved};
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, quadratic, quadratic_derivative};
 use crate::fem::mesh::graded;
-use crate::laws::contact::mobilised_friction;
 use crate::parameters::Parameters;
 use crate::solver::linear::FIXED;
 use resolution::Resolution;
@@ -225,26 +224,19 @@ impl Solved<'_> {
             beyond +=
                 (pressure[end] * gap[end] * side + with_pressure * 2.0) * (0.5 * (upper - lower) / (upper + lower));
         }
-        let (m, slopes) =
-            mobilised_friction(p.formulation, [speeds[0].re, speeds[1].re], p.friction_regularisation_speed);
-        let mobilised = Dual64::new(m, slopes[0] * speeds[0].eps + slopes[1] * speeds[1].eps);
-        let rubs = mobilised * p.boundary_friction_coefficient;
-        let boundary = resultant.rubbing * rubs;
         let fluid_friction = [rolling + sliding, -rolling + sliding];
 
         let tissue = self.tissue_results(change, speeds);
-        let sideways =
-            |rubbing_along_x: Dual64| resultant.on_slopes + beyond - sliding_along_x - rubbing_along_x * rubs;
-        let moment = |moment: Dual64, rubbing_lever: Dual64| moment + sliding_lever + rubbing_lever * rubs;
-        let tangential_load = sideways(resultant.mean(|on| on.rubbing_along_x));
-        let load_moment = moment(resultant.mean(|on| on.moment), resultant.mean(|on| on.rubbing_lever));
+        let sideways = |friction_along_x: Dual64| resultant.on_slopes + beyond - sliding_along_x - friction_along_x;
+        let moment = |moment: Dual64, friction_moment: Dual64| moment + sliding_lever + friction_moment;
+        let tangential_load = sideways(resultant.mean(|on| on.friction_along_x));
+        let load_moment = moment(resultant.mean(|on| on.moment), resultant.mean(|on| on.friction_moment));
         // Each bone works against what its own tissue feels.
         let bones =
-            resultant.bodies.iter().map(|on| (sideways(on.rubbing_along_x), moment(on.moment, on.rubbing_lever)));
+            resultant.bodies.iter().map(|on| (sideways(on.friction_along_x), moment(on.moment, on.friction_moment)));
         let resistances =
             [0, 1].into_iter().zip(bones).map(|(body, (force, moment))| resistance(p, body, depth, force, moment));
         let rotation_power = resistances.zip(speeds).map(|(resistance, speed)| resistance * speed).sum::<Dual64>();
-        let rubbed = |body: usize| resultant.bodies[body].rubbing_stretch * speeds[body];
 
         let (least, position) = extremum(&gap, &system.stations, -1.0);
         let (least, position) = match self.state.active.iter().position(|a| *a) {
@@ -288,7 +280,7 @@ impl Solved<'_> {
             rotation_power: rotation_power * p.width,
             film_dissipation: (poiseuille + sliding * difference) * p.width,
             pore_flow_dissipation: tissue.pores * p.width,
-            boundary_friction_dissipation: rubs * (rubbed(0) - rubbed(1)) * p.width,
+            boundary_friction_dissipation: resultant.boundary_dissipation * p.width,
             carried_power: (tissue.carried + system.film_end_power(self.state, change) - beyond * difference) * p.width,
             stored_elastic_energy: tissue.stored * p.width,
             minimum_film_thickness: least,
@@ -322,7 +314,7 @@ impl Solved<'_> {
             fluid_pressure: profile(&pressure),
             contact_pressure: self.linear_profile(&contact_pressure),
         };
-        let derived = Derived::new(p, [speed, depth], &direct, touching, fluid_friction, boundary);
+        let derived = Derived::new(p, [speed, depth], &direct, touching, fluid_friction, resultant.boundary_friction);
         Outputs::new(direct, derived)
     }
 

@@ -13,12 +13,13 @@
 //!
 //! int p_a(h) n . v da + int tau t . v da,   tau = mu [p_a + phi A p]
 //!
-//! with the fraction A of real contact and the boundary friction mu of both surfaces; integrated at the nodes (Simpson's rule), so that
-//! there is one condition a node. The normal is that of the deformed surface, and tau acts along x. The multiplier of an active
-//! station rubs with tau = mu lambda.
+//! with the fraction A of real contact and the boundary friction mu by the speeds of both surfaces there, see [`Rubbing`]; integrated at the nodes
+//! (Simpson's rule), so that there is one condition a node. The normal is that of the deformed surface, and tau acts along x. The multiplier
+//! of an active station rubs with tau = mu lambda.
 
 use num_dual::Dual64;
 
+use crate::equations::film;
 use crate::equations::tissue::{LOCAL, Local};
 use crate::fem::element::{NODES, SIMPSON, pressure, quadratic_derivative};
 use crate::fem::mesh::LayerMesh;
@@ -148,17 +149,63 @@ impl ContactLaw {
     }
 }
 
-/// Contact with its friction, at given speeds of the surfaces.
+/// How the surfaces move in a column, and the friction that goes with it; see `equations::system::rubbing`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rubbing {
+    /// Friction traction on the upper body per unit of pressure, positive along -x.
+    pub friction: f64,
+    /// Its derivatives by the speeds v of the upper and of the lower surface \[s/m\].
+    pub by_walls: [f64; 2],
+    /// Speeds of the undeformed surfaces past the mesh \[m/s\].
+    pub relative: [f64; 2],
+    /// By what factors the surfaces are stretched there: derivatives of their speeds v by those of the undeformed ones.
+    pub stretches: [f64; 2],
+    /// Speeds of the nodes along the arc \[m/s\].
+    pub nodes: [f64; 2],
+    /// Their derivatives by their mean displacement along x \[1/s\].
+    pub node_rates: [f64; 2],
+    /// Derivatives of each surface's speed v by its displacements along x at the three nodes \[1/s\].
+    pub by_sideways: [[f64; 3]; 2],
+}
+
+impl Rubbing {
+    /// Difference of the speeds v \[m/s\].
+    pub fn slip(&self) -> f64 {
+        let wall = |k: usize| self.stretches[k] * self.relative[k] + self.nodes[k];
+        wall(0) - wall(1)
+    }
+
+    /// Change of the friction along a change of what the film takes from the unknowns, of the speeds of the undeformed surfaces, and, beside that, of
+    /// those of the nodes.
+    pub fn friction_along(&self, change: &film::Local, speeds: [f64; 2], nodes: [f64; 2]) -> f64 {
+        let wall = |k: usize| {
+            let sideways = &change[film::SIDEWAYS + 3 * k..][..3];
+            let moved: f64 = self.by_sideways[k].iter().zip(sideways).map(|(by, change)| by * change).sum();
+            moved + self.stretches[k] * speeds[k] + nodes[k]
+        };
+        self.by_walls[0] * wall(0) + self.by_walls[1] * wall(1)
+    }
+}
+
+/// Contact in a column, with its friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// How gap and pressure go together.
     pub law: ContactLaw,
-    /// Friction traction on the upper body per unit of pressure, positive along -x.
-    pub friction: f64,
-    /// Its derivatives with respect to the two surface speeds \[s/m\].
-    pub friction_by_speeds: [f64; 2],
+    /// What rubs.
+    pub rubbing: Rubbing,
     /// Fraction phi of the fluid's pressure in real contact that friction feels.
     pub solid_fraction: f64,
+}
+
+/// Derivatives of the residual of an element.
+pub struct ContactTangent<'a> {
+    /// By the local unknowns.
+    pub by_unknowns: &'a mut [f64; LOCAL * LOCAL],
+    /// By the gaps at the three nodes.
+    pub by_gap: &'a mut [Local; 3],
+    /// By the displacements along x of the other body's three nodes.
+    pub by_other: &'a mut [Local; 3],
 }
 
 /// Where the terms of an element go.
@@ -168,17 +215,13 @@ pub struct ContactTerms<'a> {
     pub residual: Option<&'a mut Local>,
     /// Added to: its derivative with respect to the friction traction per unit of pressure.
     pub by_friction: Option<&'a mut Local>,
-    /// Added to: its derivatives with respect to the local unknowns, and to the gaps at the three nodes.
-    pub tangent: Option<(&'a mut [f64; LOCAL * LOCAL], &'a mut [Local; 3])>,
+    /// Added to: its derivatives.
+    pub tangent: Option<ContactTangent<'a>>,
 }
 
 impl Contact {
-    /// How friction changes with the surface speeds, per unit of pressure.
-    pub fn friction_change(&self, speed_changes: [f64; 2]) -> f64 {
-        self.friction_by_speeds[0] * speed_changes[0] + self.friction_by_speeds[1] * speed_changes[1]
-    }
-
-    /// Adds what follows from the gaps to an element of the first row. `side` is 1 for the upper body and -1 for the lower one.
+    /// Adds what follows from the gaps to an element of the first row,. `side` is 1 for the upper body and -1 for
+    /// the lower one.
     pub fn element(
         &self,
         mesh: &LayerMesh,
@@ -191,7 +234,7 @@ impl Contact {
         if !self.law.follows_from_gap() {
             return;
         }
-        let nodes = mesh.element_nodes(element);
+        let (nodes, rubbing) = (mesh.element_nodes(element), &self.rubbing);
         for (a, gap) in gaps.into_iter().enumerate() {
             let (s, weight) = (a as f64 - 1.0, 2.0 * SIMPSON[a]);
             let slope = quadratic_derivative(s);
@@ -203,29 +246,35 @@ impl Contact {
             let (solid, solid_slope) = self.law.pressure(gap);
             let (real, real_slope) = self.law.real_contact_fraction(gap);
             let (push, push_slope) = (weight * solid, weight * solid_slope);
-            let rubbing = side * weight * (solid + self.solid_fraction * real * fluid);
-            let drag = self.friction * rubbing;
+            let rubs = side * weight * (solid + self.solid_fraction * real * fluid);
+            let drag = rubbing.friction * rubs;
             if let Some(residual) = &mut terms.residual {
                 residual[a] += push * side * y + drag * x;
                 residual[NODES + a] += drag * y - push * side * x;
             }
             if let Some(by_friction) = &mut terms.by_friction {
-                by_friction[a] += rubbing * x;
-                by_friction[NODES + a] += rubbing * y;
+                by_friction[a] += rubs * x;
+                by_friction[NODES + a] += rubs * y;
             }
-            if let Some((tangent, by_gap)) = &mut terms.tangent {
+            if let Some(ContactTangent { by_unknowns: tangent, by_gap, by_other }) = &mut terms.tangent {
                 for b in 0..3 {
                     let turn = push * side * slope[b];
                     tangent[(NODES + b) * LOCAL + a] += turn;
                     tangent[b * LOCAL + NODES + a] -= turn;
                     tangent[b * LOCAL + a] += drag * slope[b];
                     tangent[(NODES + b) * LOCAL + NODES + a] += drag * slope[b];
-                    let drag_by_fluid = self.friction * side * weight * self.solid_fraction * real * shape[b];
+                    let drag_by_fluid = rubbing.friction * side * weight * self.solid_fraction * real * shape[b];
                     tangent[(2 * NODES + b) * LOCAL + a] += drag_by_fluid * x;
                     tangent[(2 * NODES + b) * LOCAL + NODES + a] += drag_by_fluid * y;
+                    let drag_by = |k: usize| rubs * rubbing.by_walls[k] * rubbing.by_sideways[k][b];
+                    let (own, other) = if side > 0.0 { (drag_by(0), drag_by(1)) } else { (drag_by(1), drag_by(0)) };
+                    tangent[b * LOCAL + a] += own * x;
+                    tangent[b * LOCAL + NODES + a] += own * y;
+                    by_other[b][a] += other * x;
+                    by_other[b][NODES + a] += other * y;
                 }
                 let drag_slope =
-                    self.friction * side * weight * (solid_slope + self.solid_fraction * real_slope * fluid);
+                    rubbing.friction * side * weight * (solid_slope + self.solid_fraction * real_slope * fluid);
                 by_gap[a][a] += push_slope * side * y + drag_slope * x;
                 by_gap[a][NODES + a] += drag_slope * y - push_slope * side * x;
             }
@@ -259,38 +308,45 @@ mod tests {
     }
 
     proptest! {
-        /// Taylor test by central differences, along a direction of displacements, pressures and gaps.
+        /// Taylor test by central differences, along a direction of displacements of both bodies, pressures and gaps.
         #[test]
         fn tangent_is_the_derivative_of_the_residual(
             seed in prop::collection::vec(-1.0..1.0f64, 31), direction in prop::collection::vec(-1.0..1.0f64, 29),
             gaps in prop::array::uniform3(-1.0..3.0f64), opening in prop::array::uniform3(-1.0..1.0f64),
-            upper: bool, order in 1..3_i32,
+            other in prop::array::uniform3(-1.0..1.0f64), upper: bool, order in 1..3_i32,
         ) {
             prop_assume!(gaps.iter().all(|gap| gap.abs() > 1e-2));
             let side = if upper { 1.0 } else { -1.0 };
             let stations = quadratic_stations(3, |i| 2e-3 * graded(i as f64 / 1.5 - 1.0, 1.0));
             let mesh = LayerMesh::sector(&stations, &quadratic_stations(2, |j| 0.5e-3 * j as f64), 0.1, side, order);
-            let contact = Contact {
-                law: ContactLaw::Rough(ROUGH), friction: 0.3, friction_by_speeds: [0.0; 2], solid_fraction: 0.1,
-            };
             let scale = |i: usize| if i < 2 * NODES { 2e-5 } else { 2e5 };
             let residual = |s: f64, friction: f64| {
                 let at: Local = std::array::from_fn(|i| (seed[i % 31] + s * direction[i % 29]) * scale(i));
                 let gaps = std::array::from_fn(|a| ROUGH.rms * (gaps[a] + s * opening[a]));
+                // Friction by the difference of two speeds that go with the displacements along x.
+                let by_sideways: [[f64; 3]; 2] = [[2e3, -5e3, 4e3], [-1e3, 3e3, 2e3]];
+                let own: [f64; 3] = std::array::from_fn(|b| at[b]);
+                let others = other.map(|change| s * change * scale(0));
+                let [first, second] = if upper { [own, others] } else { [others, own] };
+                let slip: f64 = (0..3).map(|b| by_sideways[0][b] * first[b] - by_sideways[1][b] * second[b]).sum();
+                let rubbing = Rubbing { friction: friction + 0.1 * slip, by_walls: [0.1, -0.1], by_sideways, ..Rubbing::default() };
                 let (mut residual, mut by_friction) = ([0.0; LOCAL], [0.0; LOCAL]);
-                let (mut tangent, mut by_gap) = ([0.0; LOCAL * LOCAL], [[0.0; LOCAL]; 3]);
+                let (mut tangent, mut by_gap, mut by_other) = ([0.0; LOCAL * LOCAL], [[0.0; LOCAL]; 3], [[0.0; LOCAL]; 3]);
+                let terms = ContactTangent { by_unknowns: &mut tangent, by_gap: &mut by_gap, by_other: &mut by_other };
                 let terms = ContactTerms {
-                    residual: Some(&mut residual), by_friction: Some(&mut by_friction), tangent: Some((&mut tangent, &mut by_gap)),
+                    residual: Some(&mut residual), by_friction: Some(&mut by_friction), tangent: Some(terms),
                 };
-                Contact { friction, ..contact }.element(&mesh, 2, side, &at, gaps, terms);
-                (residual, by_friction, tangent, by_gap)
+                let contact = Contact { law: ContactLaw::Rough(ROUGH), rubbing, solid_fraction: 0.1 };
+                contact.element(&mesh, 2, side, &at, gaps, terms);
+                (residual, by_friction, tangent, by_gap, by_other)
             };
-            let (_, by_friction, tangent, by_gap) = residual(0.0, 0.3);
+            let (_, by_friction, tangent, by_gap, by_other) = residual(0.0, 0.3);
             let (plus, minus) = (residual(1e-5, 0.3).0, residual(-1e-5, 0.3).0);
             let (more, less) = (residual(0.0, 0.4).0, residual(0.0, 0.2).0);
             let linear: Local = std::array::from_fn(|i| {
                 let unknowns = (0..LOCAL).map(|j| tangent[j * LOCAL + i] * direction[j % 29] * scale(j)).sum::<f64>();
-                unknowns + (0..3).map(|a| by_gap[a][i] * ROUGH.rms * opening[a]).sum::<f64>()
+                let others = (0..3).map(|b| by_other[b][i] * other[b] * scale(0)).sum::<f64>();
+                unknowns + others + (0..3).map(|a| by_gap[a][i] * ROUGH.rms * opening[a]).sum::<f64>()
             });
             let size = linear.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             for i in 0..LOCAL {

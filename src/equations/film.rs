@@ -51,7 +51,7 @@ pub const LOCAL: usize = 15;
 pub type Local = [f64; LOCAL];
 
 /// Where the displacements along x begin.
-const SIDEWAYS: usize = 9;
+pub const SIDEWAYS: usize = 9;
 
 /// An element of the undeformed interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,11 +67,12 @@ pub struct Element {
 }
 
 /// By what factors the surfaces and the film between them are longer than undeformed, at a place.
-struct Stretch {
-    surfaces: [f64; 2],
+pub struct Stretch {
+    /// The surfaces.
+    pub surfaces: [f64; 2],
     film: f64,
-    /// Derivatives of `surfaces` by the displacements of each surface.
-    by_surface: [[f64; 3]; 2],
+    /// Derivatives of `surfaces` by the displacements of each surface at the three nodes \[1/m\].
+    pub by_surface: [[f64; 3]; 2],
     /// Derivatives of `film` by the displacements of either surface.
     by_either: [f64; 3],
 }
@@ -85,7 +86,7 @@ impl Stretch {
 
 impl Element {
     /// At a fraction -1..=1 of the way from the middle to the right end.
-    fn stretch(&self, place: f64, at: &Local) -> Stretch {
+    pub fn stretch(&self, place: f64, at: &Local) -> Stretch {
         let slope = if self.deforms { quadratic_derivative(place).map(|d| 2.0 * d / self.width) } else { [0.0; 3] };
         let [upper, lower] = [0, 1].map(|k| self.surfaces[k] + sum(&slope, &at[SIDEWAYS + 3 * k..]));
         Stretch {

@@ -1,5 +1,7 @@
 //! Solid on solid: complementarity of gap and contact pressure, and boundary friction.
 
+use serde::{Deserialize, Serialize};
+
 use super::Formulation;
 
 /// Whether a point is in contact, from its contact pressure \[Pa\] and gap \[m\]: the primal-dual active set keeps the points with
@@ -29,6 +31,40 @@ pub fn mobilised_friction(formulation: Formulation, speeds: [f64; 2], regularisa
     }
 }
 
+/// A slip dU on the way to a solution, and the fraction w of full friction that is taken to be mobilised there.
+///
+/// Newton's method for dU / sqrt(dU^2 + v^2) turns round and round where surfaces all but stick. For w sqrt(dU^2 + v^2) = dU with both w and
+/// dU unknown it does not: T. F. Chan, G. H. Golub and P. Mulet, SIAM Journal on Scientific Computing 20 (1999) 1964-1977. Its tangent has
+/// (1 - w dU/sqrt(dU^2 + v^2)) / sqrt(dU^2 + v^2) in place of the derivative, which is the same where w is that of the law.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mobilised {
+    /// dU \[m/s\].
+    pub slip: f64,
+    /// w, from -1 to 1.
+    pub fraction: f64,
+}
+
+impl Mobilised {
+    /// By the law, with the regularisation speed v.
+    pub fn at(slip: f64, regularisation: f64) -> Self {
+        Self { slip, fraction: slip / slip.hypot(regularisation) }
+    }
+
+    /// After an update to another slip.
+    #[must_use]
+    pub fn moved(&self, slip: f64, regularisation: f64) -> Self {
+        let norm = self.slip.hypot(regularisation);
+        let change = (slip - self.slip) * self.slope(regularisation);
+        Self { slip, fraction: (self.slip / norm + change).clamp(-1.0, 1.0) }
+    }
+
+    /// The slope of the tangent \[s/m\].
+    pub fn slope(&self, regularisation: f64) -> f64 {
+        let norm = self.slip.hypot(regularisation);
+        (1.0 - self.fraction * self.slip / norm) / norm
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,6 +89,28 @@ mod tests {
         assert_eq!(mobilised_friction(Formulation::Paper, [0.1, 0.1], 1e-3).0, 1.0);
         assert_eq!(mobilised_friction(Formulation::Paper, [-0.1, -0.1], 1e-3).0, -1.0);
         assert_eq!(mobilised_friction(Formulation::Consistent, [0.1, 0.1], 1e-3).0, 0.0);
+    }
+
+    #[test]
+    fn what_sticks_is_found_where_newtons_method_turns_round() {
+        // A spring that pulls at what friction holds: k (x - u) = w with the slip u.
+        let (stiffness, speed) = (1.0, 1e-3);
+        for pull in [-3.0, -0.9, 0.3, 0.99, 1.5] {
+            let mut mobilised = Mobilised::at(pull, speed);
+            let residual = |slip: f64| slip / slip.hypot(speed) + stiffness * (slip - pull);
+            let mut iterations = 0;
+            while residual(mobilised.slip).abs() > 1e-12 && iterations < 30 {
+                let slope = mobilised.slope(speed) + stiffness;
+                mobilised = mobilised.moved(mobilised.slip - residual(mobilised.slip) / slope, speed);
+                iterations += 1;
+            }
+            assert!(iterations <= 12, "{pull}: {iterations}");
+            // There it is the law and its derivative.
+            let solution = Mobilised::at(mobilised.slip, speed);
+            assert_relative_eq!(mobilised.fraction, solution.fraction, max_relative = 1e-6);
+            let by_law = mobilised_friction(Formulation::Consistent, [solution.slip, 0.0], speed).1[0];
+            assert_relative_eq!(solution.slope(speed), by_law, max_relative = 1e-8);
+        }
     }
 
     #[test]

@@ -5,8 +5,6 @@ use num_dual::Dual64;
 use super::{Outputs, resistance};
 use crate::equations::grid;
 use crate::equations::system::{Change, Solved};
-use crate::fem::element::SIMPSON;
-use crate::laws::contact::mobilised_friction;
 use crate::parameters::{Control, Formulation};
 
 /// What can be said of a solution's resolution.
@@ -37,10 +35,6 @@ const LARGE_POWER_ERROR: f64 = 0.1;
 /// Distance along the surfaces of points that are paired, over the half-width of the interface, that is worth one: by
 /// `the_load_does_not_depend_on_which_nodes_are_paired` half as much is off of the load.
 const LARGE_MISMATCH: f64 = 0.03;
-/// Power of local slip that friction does not reckon with, over what friction takes, that is worth one.
-const LARGE_SLIP_POWER: f64 = 0.1;
-/// Pressure over the tissue's shear modulus at which solids count as pressing where slip is looked for.
-const LEAST_PRESSING: f64 = 0.01;
 /// Friction below this fraction of the load is none.
 const LEAST_FRICTION: f64 = 1e-5;
 /// A film thinner than this is none \[m\].
@@ -210,17 +204,6 @@ impl Solved<'_> {
                 50.0 * mismatch
             ));
         }
-        let slip = local_slip(self, &fluid, &solid);
-        if consistent && slip.power * p.width > LARGE_SLIP_POWER * lost.max(least) {
-            warnings.push(format!(
-                "surfaces that roll are stretched unlike and slip on each other by up to {:.1e} m/s where the solids press: friction goes by the speeds of \
-                 the bones, and leaves out up to {:.1e} W that this slip takes, a friction coefficient of {:.1e}; more sliding (slide_to_roll_ratio) \
-                 drowns it",
-                slip.speed,
-                slip.power * p.width,
-                slip.power * p.width / (outputs.normal_force * inputs.sliding_speed).abs()
-            ));
-        }
         if grid::moves(p) {
             // In time the mesh goes with the depth.
             let control = if self.state.rates.is_some() { Control::Depth } else { p.control };
@@ -234,48 +217,6 @@ impl Solved<'_> {
         }
         Resolution { load_error, film_error, friction_error, warnings }
     }
-}
-
-/// What boundary friction by the speeds of the bones does not know of.
-struct LocalSlip {
-    /// Largest difference of the speeds of the stretched surfaces from that of the bones, where solids press \[m/s\].
-    speed: f64,
-    /// Power of boundary friction by that difference, less the one that is reckoned with \[W/m\].
-    power: f64,
-}
-
-/// Local slip, for the fluid's pressure at the ends of the columns and the solids' at every station.
-fn local_slip(solved: &Solved<'_>, fluid_pressure: &[f64], solid: &[Dual64]) -> LocalSlip {
-    let (system, state) = (solved.system, solved.state);
-    let p = system.parameters();
-    let [upper, lower] = state.inputs.surface_speeds();
-    let law = system.contact_law();
-    let mobilised = |speeds| mobilised_friction(p.formulation, speeds, p.friction_regularisation_speed).0;
-    let reckoned = mobilised([upper, lower]);
-    let mut slip = LocalSlip { speed: 0.0, power: 0.0 };
-    for column in 0..fluid_pressure.len() - 1 {
-        let element = system.film_element(column);
-        let at = system.film_local(column, &state.unknowns);
-        for (a, simpson) in SIMPSON.into_iter().enumerate() {
-            let station = 2 * column + a;
-            let (place, part) = (a as f64 - 1.0, 0.5 * a as f64);
-            let fluid = fluid_pressure[column] * (1.0 - part) + fluid_pressure[column + 1] * part;
-            let real = law.real_contact_fraction(state.gap(system, station)).0;
-            let rubbing = (solid[station].re + p.solid_fraction * real * fluid).max(0.0);
-            if rubbing == 0.0 {
-                continue;
-            }
-            let (surfaces, film) = element.stretches(place, &at, &at);
-            let speeds = [upper * surfaces[0].re, lower * surfaces[1].re];
-            let difference = speeds[0] - speeds[1];
-            let traction = p.boundary_friction_coefficient * rubbing;
-            slip.power += traction * (mobilised(speeds) - reckoned) * difference * simpson * element.length * film.re;
-            if solid[station].re > LEAST_PRESSING * p.upper.shear_modulus {
-                slip.speed = slip.speed.max((difference - upper + lower).abs());
-            }
-        }
-    }
-    slip
 }
 
 /// Kink of the film at every end between two elements, and its curvature within one, as changes of thickness over an element \[m\]. A quarter of the smaller
@@ -371,5 +312,6 @@ fn boundary_friction_error(solved: &Solved<'_>) -> f64 {
             false => 0.0,
         }
     });
-    system.contact(&state.inputs).friction.abs() * change.sum::<f64>()
+    let friction = [first, last].map(|station| system.station_friction(station, state).abs());
+    friction[0].max(friction[1]) * change.sum::<f64>()
 }

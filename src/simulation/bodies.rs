@@ -112,7 +112,7 @@ impl Bodies {
         /// Over the half-width of the interface.
         const NEAR: f64 = 3e-4;
         let system = self.system_of(state);
-        let near = if state.thickening == 1.0 && state.rates.is_none() { NEAR } else { 10.0 * NEAR };
+        let near = if state.thickening == 1.0 { NEAR } else { 10.0 * NEAR };
         (system.pairs_deformed() && system.mismatch(state) > near).then(|| system.paired_anew(state, part))
     }
 
@@ -141,10 +141,12 @@ impl Bodies {
                 true => {
                     rates.history.volume.truncate(1);
                     rates.history.stations.truncate(1);
+                    rates.history.places.truncate(1);
                 }
                 false => {
                     rates.history.volume.extend_from_within(..);
                     rates.history.stations.extend_from_within(..);
+                    rates.history.places.extend_from_within(..);
                 }
             }
         }

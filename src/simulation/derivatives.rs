@@ -127,6 +127,8 @@ pub(super) fn by_time(bodies: &mut Bodies, last: &Step) -> Result<Outputs, Strin
             let mut history = known.history.combined(1.0, -1.0 / step, &stored_volumes);
             let still = |x: &Vec<f64>| x.iter().map(|x| -x / step).collect();
             history.stations = stored_volumes.stations.iter().map(still).collect();
+            let moving = StoredVolumes { places: system.rates_of_places(state), ..StoredVolumes::default() };
+            history.places = moving.combined(1.0, -1.0 / step, &stored_volumes).places;
             let short_step = State { rates: Some(Rates { rate: 1.0 / step, history }), ..state.clone() };
             let [stored, flows] = [state.rates.clone(), None].map(|rates| {
                 let mut residual = Vec::new();
@@ -138,11 +140,17 @@ pub(super) fn by_time(bodies: &mut Bodies, last: &Step) -> Result<Outputs, Strin
                 stored.iter().zip(&flows).zip(&system.layout.quantities).map(|((all, flow), quantity)| {
                     if *quantity == Quantity::Pressure { (flow - all) / step } else { 0.0 }
                 });
-            let change = system::Perturbation { direction, history: None, residual: rate.collect() };
+            let history = Some(moving.scaled(-1.0 / step));
+            let change = system::Perturbation { direction, history, residual: rate.collect() };
             let mut changes = changes(bodies, &short_step, vec![Perturbation { change, load }])?;
-            // What leaves the tissue into the film also changes with the rate of the film's mass.
-            let film = StoredVolumes { volume: Vec::new(), film: motion.film_trend.clone(), stations: Vec::new() };
-            changes.iter_mut().for_each(|change| change.history = Some(film.clone()));
+            let system = bodies.system_of(state);
+            // What leaves the tissue into the film also changes with the rate of the film's mass, and friction with those of the surfaces' places.
+            for change in &mut changes {
+                let sideways = StoredVolumes { places: system.sideways(&change.unknowns), ..StoredVolumes::default() };
+                let places = sideways.combined(1.0 / step, -1.0 / step, &moving).places;
+                let film = motion.film_trend.clone();
+                change.history = Some(StoredVolumes { film, places, ..StoredVolumes::default() });
+            }
             changes
         }
         _ => {

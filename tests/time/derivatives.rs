@@ -3,23 +3,33 @@
 use cartilage_contact::parameters::{Control, Formulation, Inputs, Parameters};
 use cartilage_contact::simulation::{Drive, Input, Simulation};
 
-use crate::{between, coarse, depth, load, numbers, size};
+use crate::{between, coarse, depth, load, numbers, size, unlike};
+
+#[derive(PartialEq)]
+enum Kind {
+    Plain,
+    Cavitates,
+    Rubs,
+}
 
 /// Derivatives of the discrete step by every input against central differences: 1e-5 of the derivative plus 1e-5 of the output's size
-/// over the input's. Varied: formulation, control, film, contact and cavitated film, one and several internal steps. Internal steps are bounded so
+/// over the input's. Varied: formulation, control, film, contact and cavitated film, unlike bodies that rub, one and several internal steps. Internal steps are bounded so
 /// that they stay the same.
 #[test]
 fn derivatives_of_the_discrete_step() {
     let step = 2e-3;
-    for (formulation, control, first, then, longest, cavitation) in [
-        (Formulation::Paper, Control::Depth, depth(5.0, 0.2), depth(6.0, 0.19), 1.0, false),
-        (Formulation::Consistent, Control::Depth, depth(22.0, 0.1), depth(22.5, 0.11), 1e-3, false),
-        (Formulation::Paper, Control::Depth, depth(20.0, 0.1), depth(20.5, 0.11), 5e-4, false),
-        (Formulation::Paper, Control::Load, load(40.0, 0.2), load(42.0, 0.19), 1e-3, false),
-        (Formulation::Consistent, Control::Load, load(150.0, 0.1), load(152.0, 0.11), 5e-4, false),
-        (Formulation::Paper, Control::Depth, depth(3.0, 0.2), depth(2.5, 0.19), 1e-3, true),
-        (Formulation::Consistent, Control::Load, load(40.0, 0.2), load(42.0, 0.19), 1e-3, true),
+    for (formulation, control, first, then, longest, kind) in [
+        (Formulation::Paper, Control::Depth, depth(5.0, 0.2), depth(6.0, 0.19), 1.0, Kind::Plain),
+        (Formulation::Consistent, Control::Depth, depth(22.0, 0.1), depth(22.5, 0.11), 1e-3, Kind::Plain),
+        (Formulation::Paper, Control::Depth, depth(20.0, 0.1), depth(20.5, 0.11), 5e-4, Kind::Plain),
+        (Formulation::Paper, Control::Load, load(40.0, 0.2), load(42.0, 0.19), 1e-3, Kind::Plain),
+        (Formulation::Consistent, Control::Load, load(150.0, 0.1), load(152.0, 0.11), 5e-4, Kind::Plain),
+        (Formulation::Paper, Control::Depth, depth(3.0, 0.2), depth(2.5, 0.19), 1e-3, Kind::Cavitates),
+        (Formulation::Consistent, Control::Load, load(40.0, 0.2), load(42.0, 0.19), 1e-3, Kind::Cavitates),
+        (Formulation::Consistent, Control::Depth, depth(24.0, 0.01), depth(24.5, 0.011), 1e-3, Kind::Rubs),
+        (Formulation::Consistent, Control::Load, load(300.0, 0.01), load(310.0, 0.011), 1e-3, Kind::Rubs),
     ] {
+        let cavitation = kind == Kind::Cavitates;
         let parameters = Parameters {
             tolerance: 1e-11,
             relative_tolerance: 0.1,
@@ -28,9 +38,11 @@ fn derivatives_of_the_discrete_step() {
             cavitation_pressure: -1e3,
             ..coarse(formulation, control)
         };
+        let parameters = if kind == Kind::Rubs { unlike(parameters) } else { parameters };
+        let ratio = if kind == Kind::Rubs { 0.02 } else { 0.3 };
         let mut simulation = Simulation::new(&parameters).unwrap();
-        let first = Inputs { slide_to_roll_ratio: 0.3, ..first };
-        let then = Inputs { slide_to_roll_ratio: 0.3, ..then };
+        let first = Inputs { slide_to_roll_ratio: ratio, ..first };
+        let then = Inputs { slide_to_roll_ratio: ratio, ..then };
         simulation.solve_steady(first).unwrap();
         simulation.advance(between(first, then, step), step).unwrap();
         let start = simulation.snapshot();
@@ -41,6 +53,7 @@ fn derivatives_of_the_discrete_step() {
         simulation.advance(drive, step).unwrap();
         let value = simulation.outputs().clone();
         let touching = value.contact_length > 0.0;
+        assert!(kind != Kind::Rubs || value.boundary_friction_dissipation > 0.1 * value.film_dissipation, "{value:?}");
         assert_eq!(value.cavitated_length > 0.0, cavitation);
         for (input, scale) in Input::ALL.into_iter().zip([1e-5, 0.2, 1.0, 1e-2, 50.0]) {
             let exact = simulation.derivatives(input).unwrap().clone();
@@ -119,21 +132,29 @@ fn contact_stiffness_is_that_of_the_step() {
 /// d/dt at the end of a step against differences over short steps that go on in the same way.
 #[test]
 fn derivatives_by_time() {
-    for (control, first, then) in
-        [(Control::Depth, depth(5.0, 0.2), depth(9.0, 0.15)), (Control::Load, load(40.0, 0.2), load(60.0, 0.15))]
-    {
+    for (control, first, then, rubs) in [
+        (Control::Depth, depth(5.0, 0.2), depth(9.0, 0.15), false),
+        (Control::Load, load(40.0, 0.2), load(60.0, 0.15), false),
+        (Control::Load, load(300.0, 0.02), load(400.0, 0.015), true),
+        (Control::Depth, depth(24.0, 0.02), depth(26.0, 0.015), true),
+    ] {
         let parameters = Parameters { tolerance: 1e-10, ..coarse(Formulation::Consistent, control) };
+        let parameters = if rubs { unlike(parameters) } else { parameters };
         let mut simulation = Simulation::new(&parameters).unwrap();
         simulation.solve_steady(first).unwrap();
         let drive = between(first, then, 0.1);
-        simulation.advance(drive, 0.1).unwrap();
+        let go = |simulation: &mut Simulation, time: f64, step: f64| {
+            let inputs = drive.inputs.combined(&drive.rates, |value, rate| value + time * rate);
+            simulation.advance(Drive { inputs, ..drive }, step).unwrap();
+        };
+        // Friction goes with the speeds of the surfaces, which are those of the steps before: there all are short.
+        let (steps, short) = if rubs { (400_i32, 2.5e-4) } else { (1, 2e-5) };
+        let step = 0.1 / f64::from(steps);
+        (0..steps).for_each(|i| go(&mut simulation, f64::from(i) * step, step));
         let rates = simulation.rates().unwrap().clone();
         let values = simulation.outputs().clone();
-        let short = 2e-5;
         let mut ahead = |steps: f64| {
-            let inputs =
-                drive.inputs.combined(&drive.rates, |value, rate| value + (0.1 + (steps - 1.0) * short) * rate);
-            simulation.advance(Drive { inputs, ..drive }, short).unwrap();
+            go(&mut simulation, 0.1 + (steps - 1.0) * short, short);
             numbers(simulation.outputs())
         };
         let (one, two) = (ahead(1.0), ahead(2.0));

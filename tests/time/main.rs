@@ -8,7 +8,7 @@ mod motion;
 mod states;
 
 use cartilage_contact::outputs::Outputs;
-use cartilage_contact::parameters::{Control, Formulation, Inputs, Mesh, Parameters, TimeIntegration};
+use cartilage_contact::parameters::{Body, Control, Formulation, Inputs, Mesh, Parameters, TimeIntegration};
 use cartilage_contact::simulation::Drive;
 
 const MICRON: f64 = 1e-6;
@@ -22,6 +22,12 @@ fn coarse(formulation: Formulation, control: Control) -> Parameters {
         mesh: Mesh { columns: 40, rows: 3, column_grading: 2.5, row_grading: 2.0 },
         ..Parameters::default()
     }
+}
+
+/// Rough, the lower layer twice as stiff: they rub on each other as they are squeezed and rolled.
+fn unlike(base: Parameters) -> Parameters {
+    let lower = Body { shear_modulus: 2.0 * base.upper.shear_modulus, ..base.lower };
+    Parameters { lower, surface_roughness: 0.5e-6, ..base }
 }
 
 fn depth(micron: f64, sliding_speed: f64) -> Inputs {

@@ -5,7 +5,7 @@ use cartilage_contact::outputs::Outputs;
 use cartilage_contact::parameters::{Control, Formulation, Inputs, Mesh, Parameters};
 use cartilage_contact::simulation::{Drive, Simulation};
 
-use crate::{between, coarse, depth, load};
+use crate::{between, coarse, depth, load, unlike};
 
 #[test]
 fn steady_is_the_limit_of_long_times() {
@@ -255,14 +255,15 @@ fn suction_has_no_friction_coefficient() {
 }
 
 /// A cycle of load and speed, with a reversal: what the bones put in is what film, pores and friction lose, what is stored and what leaves
-/// the sector, in sum over the cycle and at every instant. The load's power and the storage's rate are the derivatives with respect to time.
+/// the sector, in sum over the cycle and at every instant; of like bodies whose film parts them and of unlike ones that rub. The load's power and the storage's rate are the derivatives with respect to time.
 #[test]
 fn the_work_of_a_cycle_is_accounted_for() {
-    for ratio in [0.0, 0.4] {
+    for (ratio, rubs) in [(0.0, false), (0.4, false), (0.0, true), (0.4, true)] {
         let parameters = Parameters {
             mesh: Mesh { columns: 60, rows: 5, column_grading: 2.5, row_grading: 2.0 },
             ..coarse(Formulation::Consistent, Control::Load)
         };
+        let parameters = if rubs { unlike(parameters) } else { parameters };
         let (period, steps) = (0.8, 24);
         let at = |step: u32| {
             let phase = 2.0 * std::f64::consts::PI * f64::from(step) / f64::from(steps);

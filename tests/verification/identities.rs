@@ -229,9 +229,7 @@ fn what_the_bones_carry_is_what_is_reported() {
                     sum
                 });
                 let half: [f64; 3] = std::array::from_fn(|k| 0.5 * (bones[0][k] - bones[1][k]));
-                let difference = ratio * U;
-                let mobilised = difference / difference.hypot(parameters.friction_regularisation_speed);
-                let boundary = mobilised * parameters.boundary_friction_coefficient * o.solid_load;
+                let boundary = pair.boundary_friction(&parameters);
                 let [upper, lower] = [o.upper_friction_force, o.lower_friction_force].map(|t| t / parameters.width);
                 let sliding = 0.5 * (upper + lower) - boundary;
                 // The pressure of the film beyond the sector on each body's slopes.
@@ -452,12 +450,7 @@ fn equation_13() {
                     })
                     .sum::<f64>()
                     + far;
-                let difference = ratio * U;
-                let mobilised = match formulation {
-                    Formulation::Paper => 1.0,
-                    Formulation::Consistent => difference / difference.hypot(parameters.friction_regularisation_speed),
-                };
-                let boundary = mobilised * parameters.boundary_friction_coefficient * o.solid_load;
+                let boundary = pair.boundary_friction(&parameters);
                 assert_relative_eq!(o.upper_friction_force - o.lower_friction_force, rolling, max_relative = 1e-6);
                 let sum = o.upper_friction_force + o.lower_friction_force;
                 assert_relative_eq!(sum, 2.0 * (shear + boundary), max_relative = 1e-6, epsilon = 1e-12);

@@ -28,6 +28,7 @@ mod path_independence;
 mod porous_film;
 mod random_cases;
 mod reach;
+mod rubbing;
 mod soft_film;
 mod solid_alone;
 mod squeeze;

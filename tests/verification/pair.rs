@@ -130,6 +130,44 @@ impl Pair {
         [at[a], at[NODES + a]]
     }
 
+    /// Speeds of both deformed surfaces over a column of a steady state: theirs times what their nodes moved apart to.
+    pub fn surface_speeds(&self, column: usize) -> [f64; 2] {
+        let ends = [2 * column, 2 * column + 2].map(|station| station * self.levels());
+        let speeds = self.state.inputs.surface_speeds();
+        std::array::from_fn(|body| {
+            let [left, right] = ends.map(|node| self.system.layers[body].mesh.nodes[node][0]);
+            let [more, most] = ends.map(|node| self.displacement(body, node)[0]);
+            speeds[body] * (right + most - left - more) / (right - left)
+        })
+    }
+
+    /// Boundary friction of smooth surfaces, from the contact forces and from how fast the surfaces slide on each other \[N/m\].
+    pub fn boundary_friction(&self, parameters: &Parameters) -> f64 {
+        let stations = &self.system.stations;
+        let friction = |column: usize| {
+            let [upper, lower] = self.surface_speeds(column);
+            let mobilised = match parameters.formulation {
+                Formulation::Paper => 1.0,
+                Formulation::Consistent => {
+                    (upper - lower) / (upper - lower).hypot(parameters.friction_regularisation_speed)
+                }
+            };
+            parameters.boundary_friction_coefficient * mobilised
+        };
+        // Simpson's weights say how much of a node's force is on either side.
+        let length = |column: usize| stations[2 * column + 2] - stations[2 * column];
+        let of_node = |node: usize| match (node % 2, node / 2) {
+            (1, column) => friction(column),
+            (_, column) => {
+                let sides = [column - 1, column];
+                let sum: f64 = sides.iter().map(|column| length(*column) * friction(*column)).sum();
+                sum / (length(column - 1) + length(column))
+            }
+        };
+        let forces = self.state.contact_forces.iter().enumerate().filter(|(_, force)| **force != 0.0);
+        forces.map(|(node, force)| force * of_node(node)).sum()
+    }
+
     /// What the tissue's elements add up to at the nodes of a body, without film and contact: forces on the tissue along x and y,
     /// and fluid that flows in; with what the tissue carries out of the ends.
     pub fn reactions(&self, body: usize, speed: f64) -> [Vec<f64>; 3] {

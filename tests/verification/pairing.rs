@@ -87,7 +87,7 @@ fn pairs_that_are_far_apart_are_said() {
     let said = |knee: &Simulation| knee.warnings().iter().any(|warning| warning.contains("points that are paired are"));
     assert!(!said(&knee), "{:?}", knee.warnings());
     let turned = Inputs { sliding_speed: -0.1, ..inputs };
-    knee.advance(Drive::constant(turned), 5e-3).unwrap();
+    knee.advance(Drive::constant(turned), 20e-3).unwrap();
     println!("{:?} {}", knee.warnings(), knee.outputs().penetration_depth);
     assert!(said(&knee), "{:?}", knee.warnings());
     for _ in 0..3 {
@@ -95,20 +95,4 @@ fn pairs_that_are_far_apart_are_said() {
         println!("{:?} {}", knee.warnings(), knee.outputs().penetration_depth);
     }
     assert!(!said(&knee), "{:?}", knee.warnings());
-}
-
-/// Unlike layers that roll are stretched unlike, and slip where boundary friction by the speeds of the bones is none. Like ones do not, and sliding
-/// drowns it.
-#[test]
-fn local_slip_of_rolling_surfaces_is_said() {
-    for (stiffer, slide_to_roll_ratio, slips) in [(2.0, 0.0, true), (1.0, 0.0, false), (2.0, 0.5, false)] {
-        let mut pair = Pair::new(&unlike([0.1, 0.1], stiffer), false);
-        for depth in [-10.0, 0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0] {
-            pair.go(pressed(1e-6 * depth, slide_to_roll_ratio));
-        }
-        let (outputs, warnings) = pair.solved().outputs();
-        println!("{stiffer} {slide_to_roll_ratio}: {} N/m of solids, {warnings:?}", outputs.solid_load);
-        assert!(outputs.solid_load > 0.01 * outputs.load, "{outputs:?}");
-        assert_eq!(warnings.iter().any(|warning| warning.contains("slip on each other")), slips, "{warnings:?}");
-    }
 }

@@ -49,15 +49,16 @@ pub fn fluid(parameters: &Parameters) -> Fluid {
     }
 }
 
-/// Traction on the upper body's tissue per unit of contact pressure, positive along -x, and its derivatives with respect to the two
-/// surface speeds.
-pub(super) fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> (f64, [f64; 2]) {
+/// Traction on the upper body's tissue per unit of contact pressure, positive along -x, between surfaces that are stretched alike.
+pub(super) fn boundary_friction(parameters: &Parameters, inputs: &Inputs) -> f64 {
     let p = parameters;
-    if !p.boundary_friction_loads_tissue {
-        return (0.0, [0.0; 2]);
+    match p.boundary_friction_loads_tissue {
+        true => {
+            p.boundary_friction_coefficient
+                * mobilised_friction(p.formulation, inputs.surface_speeds(), p.friction_regularisation_speed).0
+        }
+        false => 0.0,
     }
-    let (m, slopes) = mobilised_friction(p.formulation, inputs.surface_speeds(), p.friction_regularisation_speed);
-    (m * p.boundary_friction_coefficient, slopes.map(|s| s * p.boundary_friction_coefficient))
 }
 
 /// The body on this side of the film.

@@ -50,10 +50,7 @@ impl System {
     pub fn loads(&self, at: &State, change: &Change) -> Loads {
         let zero = Dual64::from(0.0);
         let mut loads = Loads { fluid: zero, solid: zero, in_real_contact: zero };
-        let contact = self.contact(&at.inputs);
-        let law = contact.law;
-        let friction_change = contact.friction_change(change.inputs.surface_speeds(&at.inputs));
-        let friction = Dual64::new(contact.friction, friction_change);
+        let law = self.contact_law();
         let height = self.mean_height(at, change);
         let levels = self.layers[0].mesh.levels();
         let value = |number: u32| match number {
@@ -72,6 +69,7 @@ impl System {
                 let change: Dual64 = sideways.iter().map(|u| (0..3).map(|a| u[a] * slope[a]).sum::<Dual64>()).sum();
                 if deformed { change / self.layers.len() as f64 + length } else { Dual64::from(length) }
             };
+            let rubs = self.rubbing_along(first / 2, at, change, &self.rubbing_on_tissue(first / 2, at));
             let order = self.layers[0].mesh.pressure_order;
             let interpolated = |s: f64| -> Dual64 { pressure(order, s).iter().zip(&fluid).map(|(n, p)| *p * *n).sum() };
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
@@ -89,7 +87,7 @@ impl System {
                 let rise: Dual64 = (0..3).map(|b| height[first + b] * quadratic_derivative(s)[b]).sum();
                 let rubbing =
                     chain(law.pressure(gap.0), gap.1) + real * interpolated(s) * self.parameters.solid_fraction;
-                loads.solid -= friction * rubbing * rise * (2.0 * simpson);
+                loads.solid -= rubs.friction * rubbing * rise * (2.0 * simpson);
                 loads.in_real_contact += real * (solid + fluid);
             }
         }
@@ -125,12 +123,10 @@ impl System {
 pub struct OnBody {
     /// Moment of the pressures about the middle of the contact, counter-clockwise \[N\].
     pub moment: Dual64,
-    /// What rubs along x \[N/m\].
-    pub rubbing_along_x: Dual64,
-    /// What rubs times the lever of a traction along the surface about the middle of the contact \[N\].
-    pub rubbing_lever: Dual64,
-    /// What rubs times the stretch of the tissue along the surface: by that the tissue is faster than the surface speed \[N/m\].
-    pub rubbing_stretch: Dual64,
+    /// Boundary friction along x \[N/m\].
+    pub friction_along_x: Dual64,
+    /// Its moment about the middle of the contact, clockwise \[N\].
+    pub friction_moment: Dual64,
 }
 
 /// What the pressures on the surfaces pass on beside the load, per unit depth; see [`System::resultant`].
@@ -138,8 +134,11 @@ pub struct OnBody {
 pub struct Resultant {
     /// Force along +x on the upper body of the pressures on sloping surfaces \[N/m\].
     pub on_slopes: Dual64,
-    /// Integral of what rubs along the surfaces: pressure of solids, and of the fluid in real contact as far as friction feels it \[N/m\].
-    pub rubbing: Dual64,
+    /// Integral of boundary friction along the surfaces: of the pressure of solids, and of the fluid's in real contact as far as friction feels it, times the
+    /// friction there \[N/m\].
+    pub boundary_friction: Dual64,
+    /// Power that boundary friction takes \[W/m\].
+    pub boundary_dissipation: Dual64,
     /// On the upper and on the lower body.
     pub bodies: [OnBody; 2],
 }
@@ -181,8 +180,9 @@ impl System {
     /// paired as they are deformed the moments are the same; else they part where the nodes move apart along the surfaces.
     pub fn resultant(&self, at: &State, change: &Change) -> Resultant {
         let zero = Dual64::from(0.0);
-        let none = OnBody { moment: zero, rubbing_along_x: zero, rubbing_lever: zero, rubbing_stretch: zero };
-        let mut sum = Resultant { on_slopes: zero, rubbing: zero, bodies: [none; 2] };
+        let none = OnBody { moment: zero, friction_along_x: zero, friction_moment: zero };
+        let mut sum =
+            Resultant { on_slopes: zero, boundary_friction: zero, boundary_dissipation: zero, bodies: [none; 2] };
         let (law, levels) = (self.contact_law(), self.layers[0].mesh.levels());
         let height = self.mean_height(at, change);
         let value = |number: u32| match number {
@@ -204,7 +204,6 @@ impl System {
             let sideways = if deformed { value(self.layout.horizontal[body][i * levels]) } else { zero };
             [sideways + x, mean + opening * self.surface_part(body, i) + y]
         };
-        let weight = 1.0 / self.layers.len() as f64;
         let order = self.layers[0].mesh.pressure_order;
         for first in (0..self.stations.len() - 1).step_by(2) {
             let heights = [0, 1, 2].map(|a| height[first + a]);
@@ -240,6 +239,30 @@ impl System {
             for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
                 press(&mut sum, &wetted, s, dot(pressure(order, s), &fluid) * w);
             }
+            let rubs = self.rubbing_along(first / 2, at, change, &self.rubbing(first / 2, at));
+            // Multipliers rub along x.
+            for i in (first..=first + 2).filter(|i| at.active[*i]) {
+                let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
+                let a = i - first;
+                let force = force * self.part_of(i, first / 2);
+                let slope = quadratic_derivative(a as f64 - 1.0);
+                let friction = force * rubs.friction;
+                sum.boundary_friction += friction / self.cosine[i];
+                for (k, side) in [1.0, -1.0].into_iter().enumerate() {
+                    let body = k.min(self.layers.len() - 1);
+                    let stretch = match k == body || self.mirrored() {
+                        true => dot(slope, &wetted[body][0]) * (self.surface_cosine(body, i) / half(body)),
+                        false => Dual64::from(1.0 / self.cosine[i]),
+                    };
+                    let moves = stretch * rubs.relative[k] + rubs.nodes[k] * self.cosine[i];
+                    sum.boundary_dissipation += friction * moves * side;
+                }
+                for (body, sum) in sum.bodies.iter_mut().take(self.layers.len()).enumerate() {
+                    sum.moment += force * wetted[body][0][a];
+                    sum.friction_along_x += friction;
+                    sum.friction_moment += friction * (height[i] - self.tangent_fall(i));
+                }
+            }
             // All else is zero of smooth surfaces.
             if !law.follows_from_gap() {
                 continue;
@@ -253,37 +276,35 @@ impl System {
                 let real = chain(law.real_contact_fraction(gap.0), gap.1);
                 let rubbing =
                     solid + real * dot(pressure(order, s), &fluid) * (2.0 * simpson * self.parameters.solid_fraction);
+                let friction = rubbing * rubs.friction;
                 let slope = quadratic_derivative(s);
+                let along = |body: usize| touching[body].each_ref().map(|values| dot(slope, values));
+                for (k, side) in [1.0, -1.0].into_iter().enumerate() {
+                    let body = k.min(self.layers.len() - 1);
+                    let [x, y] = along(body);
+                    let length = x * x + y * y;
+                    sum.boundary_friction += friction * length.sqrt() * 0.5;
+                    // Of a rigid counterface each part of the arc is as long as it was.
+                    let moves = match k == body || self.mirrored() {
+                        true => length * (self.surface_cosine(body, first + a) / half(body)),
+                        false => length.sqrt(),
+                    };
+                    let power = moves * rubs.relative[k] + x * rubs.nodes[k] * self.cosine[first + a];
+                    sum.boundary_dissipation += friction * power * side;
+                }
                 for (body, [x, y]) in touching.iter().enumerate() {
-                    let (along_x, along_y) = (dot(slope, x), dot(slope, y));
-                    let length = along_x * along_x + along_y * along_y;
-                    sum.rubbing += rubbing * length.sqrt() * weight;
+                    let [along_x, along_y] = along(body);
                     let sum = &mut sum.bodies[body];
-                    sum.rubbing_along_x += rubbing * along_x;
-                    sum.rubbing_lever += rubbing * (y[a] * along_x - x[a] * along_y);
-                    sum.rubbing_stretch += rubbing * length * (self.surface_cosine(body, first + a) / half(body));
+                    sum.friction_along_x += friction * along_x;
+                    sum.friction_moment += friction * (y[a] * along_x - x[a] * along_y);
                 }
             }
         }
-        for i in (0..self.stations.len()).filter(|i| at.active[*i]) {
-            let force = Dual64::new(at.contact_forces[i], change.contact_forces[i]);
-            sum.rubbing += force / self.cosine[i];
-            let [before, after] = [i.saturating_sub(1), (i + 1).min(self.stations.len() - 1)];
-            for (body, sum) in sum.bodies.iter_mut().take(self.layers.len()).enumerate() {
-                let x = |i: usize| coordinates(body, i, consistent)[0];
-                let stretch = (x(after) - x(before)) / (self.stations[after] - self.stations[before]);
-                sum.moment += force * x(i);
-                sum.rubbing_along_x += force;
-                sum.rubbing_lever += force * (height[i] - self.tangent_fall(i));
-                sum.rubbing_stretch += force * stretch * self.surface_cosine(body, i);
-            }
-        }
         if self.layers.len() == 1 {
-            // A mirror image is on the other side of the middle; a rigid counterface feels the same, and does not stretch.
+            // A mirror image is on the other side of the middle; a rigid counterface feels the same.
             sum.bodies[1] = sum.bodies[0];
-            match self.parameters.rigid_lower {
-                true => sum.bodies[1].rubbing_stretch = sum.rubbing,
-                false => sum.bodies[1].rubbing_lever = -sum.bodies[0].rubbing_lever,
+            if self.mirrored() {
+                sum.bodies[1].friction_moment = -sum.bodies[0].friction_moment;
             }
         }
         sum

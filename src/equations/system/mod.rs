@@ -5,6 +5,7 @@ mod load;
 mod pairing;
 mod problem;
 mod residual;
+mod rubbing;
 mod state;
 mod tangent;
 mod transfer;
@@ -16,7 +17,7 @@ pub use problem::{Slope, Task};
 pub use state::{Rates, Solved, State, StoredVolumes};
 pub use tangent::{Change, Direction, Perturbation};
 
-use crate::equations::contact::{Contact, ContactLaw};
+use crate::equations::contact::{Contact, ContactLaw, Rubbing};
 use crate::equations::film::{self, Film, MassRate};
 use crate::equations::film_end::{FilmEnd, Outflow};
 use crate::equations::grid::{self, Grid};
@@ -236,24 +237,15 @@ impl System {
         }
     }
 
-    /// Contact at these speeds. A mirrored pair has no boundary friction on the tissue: it would break the symmetry.
-    pub fn contact(&self, inputs: &Inputs) -> Contact {
-        let (friction, friction_by_speeds) = match self.mirrored() {
-            true => (0.0, [0.0; 2]),
-            false => boundary_friction(&self.parameters, inputs),
-        };
-        Contact {
-            law: self.contact_law(),
-            friction,
-            friction_by_speeds,
-            solid_fraction: self.parameters.solid_fraction,
-        }
+    /// Contact in a column with this rubbing.
+    fn contact(&self, rubbing: Rubbing) -> Contact {
+        Contact { law: self.contact_law(), rubbing, solid_fraction: self.parameters.solid_fraction }
     }
 
     /// Whether boundary friction pulls the two bodies apart sideways; if so, they are not mirror images.
     pub fn drags(&self, state: &State) -> bool {
         (state.touches() || self.contact_law().follows_from_gap())
-            && boundary_friction(&self.parameters, &state.inputs).0 != 0.0
+            && boundary_friction(&self.parameters, &state.inputs) != 0.0
     }
 
     /// Distances of the surfaces at the nodes of an element of the first row.
@@ -307,6 +299,7 @@ impl System {
             shifts: self.shifts.clone(),
             thickening: self.thickening,
             unknowns,
+            mobilised: Vec::new(),
             active: vec![false; self.stations.len()],
             contact_forces: vec![0.0; self.stations.len()],
         }

@@ -69,6 +69,7 @@ impl System {
             Err(failure) => (Err(failure.reason), failure.iterations),
             Ok(newton::Solution { iterations, remainder }) => {
                 problem.take(&unknowns);
+                problem.state.mobilised.clear();
                 problem.system.tangent.remainder = remainder;
                 (Ok(problem.state), iterations)
             }

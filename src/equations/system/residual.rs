@@ -1,8 +1,9 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
 use super::{Change, State, StoredVolumes, System, moves};
-use crate::equations::contact::ContactTerms;
+use crate::equations::contact::{ContactTerms, Rubbing};
 use crate::equations::facing;
+use crate::equations::film;
 use crate::equations::inflow;
 use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
 use crate::fem::assembly::scatter;
@@ -24,7 +25,12 @@ impl System {
         });
         let film = (0..self.layers[0].mesh.columns)
             .map(|column| self.film.mass(&self.film_element(column), &self.film_local(column, unknowns)));
-        StoredVolumes { volume: volume.collect(), film: film.collect(), stations: self.surfaces() }
+        StoredVolumes {
+            volume: volume.collect(),
+            film: film.collect(),
+            stations: self.surfaces(),
+            places: self.places(unknowns),
+        }
     }
 
     /// How [`System::stored_volumes`] change along a change of the state.
@@ -51,23 +57,27 @@ impl System {
             volume: volume.collect(),
             film: film.collect(),
             stations: vec![vec![0.0; self.stations.len()]; self.layers.len()],
+            places: self.sideways(&change.unknowns),
         }
     }
 
-    /// Adds what a change of the rates of volume and mass does to the residual.
+    /// Adds what a change of the rates of volume, mass and places does to the residual. What of these is empty does not change.
     pub fn add_storage(&self, state: &State, change: &StoredVolumes, values: &mut [f64]) {
         let State { unknowns, inputs, .. } = state;
-        for (body, layer) in self.layers.iter().enumerate() {
-            for element in 0..layer.mesh.elements() {
+        for (body, (layer, volume)) in self.layers.iter().zip(&change.volume).enumerate() {
+            for (element, rate) in volume.iter().enumerate() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
-                let local = layer.tissue.storage(&layer.mesh, &at, &change.volume[body][element]);
+                let local = layer.tissue.storage(&layer.mesh, &at, rate);
                 self.scatter(body, element, &local, values);
             }
         }
-        for column in 0..self.layers[0].mesh.columns {
-            let stored = self.film.storage(&change.film[column]);
-            self.scatter_film(column, stored, values);
+        for (column, rate) in change.film.iter().enumerate() {
+            self.scatter_film(column, self.film.storage(rate), values);
         }
+        let friction = |column: usize, rubbing: &Rubbing| {
+            rubbing.friction_along(&[0.0; film::LOCAL], [0.0; 2], self.history_of_nodes(column, change))
+        };
+        self.add_friction_change(state, friction, values);
     }
 
     /// Residual of all equations; contact enters by [`Self::residual_at`].
@@ -75,7 +85,6 @@ impl System {
         let State { unknowns, inputs, .. } = state;
         let rates = state.rates.as_ref();
         values.fill(0.0);
-        let contact = self.contact(inputs);
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
@@ -90,6 +99,7 @@ impl System {
                 }
                 if element.is_multiple_of(layer.mesh.rows) {
                     let terms = ContactTerms { residual: Some(&mut local), ..ContactTerms::default() };
+                    let contact = self.contact(self.rubbing_on_tissue(element / layer.mesh.rows, state));
                     contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
                 }
                 if layer.tissue.consistent {
@@ -115,29 +125,30 @@ impl System {
         Ok(())
     }
 
-    /// Residual at a state, with its active set and contact forces renewed from that. Returns whether the set changed.
+    /// Residual at a state, with its active set, contact forces and mobilised friction renewed from that. Returns whether the tangent is another one: with another
+    /// set, or friction that is far from its law.
     ///
     /// # Errors
     /// [`Inverted`] where an element is turned inside out.
     pub fn residual_at(&self, state: &mut State, values: &mut Vec<f64>) -> Result<bool, Inverted> {
         values.resize(self.unknowns(), 0.0);
+        let mut changed = self.mobilise(state);
         self.raw_residual(state, values)?;
-        let State { unknowns, inputs, rates, active, contact_forces, .. } = state;
-        let contact = self.contact(inputs);
-        let mut changed = false;
-        for (i, (active, contact_force)) in active.iter_mut().zip(contact_forces).enumerate() {
+        let law = self.contact_law();
+        for i in 0..state.active.len() {
             let gap = self.layout.gap[i] as usize;
             let force = self.copies() * self.cosine[i] * values[gap];
-            let multiplier = if *active { force / self.weights[i] } else { 0.0 };
-            let now = contact.law.is_active(*active, multiplier, unknowns[gap]);
-            changed |= now != *active;
-            *active = now;
-            *contact_force = if now { force } else { 0.0 };
+            let multiplier = if state.active[i] { force / self.weights[i] } else { 0.0 };
+            let now = law.is_active(state.active[i], multiplier, state.unknowns[gap]);
+            changed |= now != state.active[i];
+            state.active[i] = now;
+            state.contact_forces[i] = if now { force } else { 0.0 };
             if now {
-                self.add_friction(i, contact.friction * force, values);
-                values[gap] = self.layout.gap_multiplicity[i] * contact.law.condition(unknowns[gap]).0;
+                self.add_friction(i, self.station_friction(i, state) * force, values);
+                values[gap] = self.layout.gap_multiplicity[i] * law.condition(state.unknowns[gap]).0;
             }
         }
+        let State { unknowns, inputs, rates, active, .. } = state;
         for i in (0..active.len()).filter(|i| self.layout.void[*i] != FIXED) {
             let [pressure, void] = self.pressure_and_void(i, unknowns);
             values[self.layout.void[i] as usize] = self.layout.gap_multiplicity[i]

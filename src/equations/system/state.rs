@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::System;
 use crate::fem::element::POINTS;
+use crate::laws::contact::Mobilised;
 use crate::parameters::{Control, Inputs};
 use crate::solver::runge_kutta::Linear;
 
@@ -24,6 +25,8 @@ pub struct State {
     pub thickening: f64,
     /// The unknowns.
     pub unknowns: Vec<f64>,
+    /// Slip and friction of every column on the way to a solution; none at one, where friction is that of the law.
+    pub mobilised: Vec<Mobilised>,
     /// Stations in contact.
     pub active: Vec<bool>,
     /// Force of contact at each station, zero where there is none \[N/m\].
@@ -71,7 +74,7 @@ pub struct Rates {
 }
 
 /// What time derivatives are taken of, at the quadrature points.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StoredVolumes {
     /// Change of volume (J - 1) dA in every element of every body \[m^2\].
     pub volume: Vec<Vec<[f64; POINTS]>>,
@@ -79,11 +82,16 @@ pub struct StoredVolumes {
     pub film: Vec<[f64; 3]>,
     /// x of the surface nodes of every undeformed body, whose rates are the speed of its mesh \[m\].
     pub stations: Vec<Vec<f64>>,
+    /// Mean x of the deformed surface of every body over every column, for the speeds at which surfaces rub on each other \[m\].
+    pub places: Vec<Vec<f64>>,
 }
 
 impl Linear for StoredVolumes {
     fn combined(&self, a: f64, b: f64, other: &Self) -> Self {
         let mix = |x: f64, y: f64| a * x + b * y;
+        let mix_all = |x: &[Vec<f64>], y: &[Vec<f64>]| {
+            x.iter().zip(y).map(|(x, y)| x.iter().zip(y).map(|(x, y)| mix(*x, *y)).collect()).collect()
+        };
         Self {
             volume: self
                 .volume
@@ -92,12 +100,8 @@ impl Linear for StoredVolumes {
                 .map(|(x, y)| x.iter().zip(y).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect())
                 .collect(),
             film: self.film.iter().zip(&other.film).map(|(x, y)| std::array::from_fn(|q| mix(x[q], y[q]))).collect(),
-            stations: self
-                .stations
-                .iter()
-                .zip(&other.stations)
-                .map(|(x, y)| x.iter().zip(y).map(|(x, y)| mix(*x, *y)).collect())
-                .collect(),
+            stations: mix_all(&self.stations, &other.stations),
+            places: mix_all(&self.places, &other.places),
         }
     }
 }
@@ -130,8 +134,9 @@ impl System {
     pub fn admits(&self, state: &State) -> bool {
         let stations = self.stations.len();
         let stored = |volumes: &StoredVolumes| {
-            volumes.stations.len() == self.layers.len()
-                && volumes.stations.iter().all(|x| x.len() == stations)
+            [(&volumes.stations, stations), (&volumes.places, stations / 2)]
+                .into_iter()
+                .all(|(x, length)| x.len() == self.layers.len() && x.iter().all(|x| x.len() == length))
                 && volumes.film.len() == (stations - 1) / 2
                 && volumes.volume.iter().map(Vec::len).eq(self.layers.iter().map(|layer| layer.mesh.elements()))
         };
@@ -140,6 +145,7 @@ impl System {
             && state.contact_half_width >= 0.0
             && self.admits_shifts(&state.shifts)
             && state.unknowns.len() == self.unknowns()
+            && (state.mobilised.is_empty() || state.mobilised.len() == stations / 2)
             && state.active.len() == stations
             && state.contact_forces.len() == stations
             && state.rates.as_ref().is_none_or(|rates| stored(&rates.history))

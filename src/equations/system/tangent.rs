@@ -1,7 +1,7 @@
 //! The tangent, and what follows from it: updates, and derivatives with respect to the inputs.
 
 use super::{Rates, State, StoredVolumes, System, moves};
-use crate::equations::contact::ContactTerms;
+use crate::equations::contact::{ContactTangent, ContactTerms};
 use crate::equations::film;
 use crate::equations::inflow;
 use crate::equations::surface::RISE;
@@ -186,11 +186,13 @@ impl System {
         let layer = &self.layers[body];
         let at = self.local(body, element, unknowns, inputs.penetration_depth);
         let mut tangent = self.element_tangent(body, element, &at, inputs, rates);
-        let contact = self.contact(inputs);
         let on_surface = element.is_multiple_of(layer.mesh.rows);
-        let mut by_gap = [[0.0; LOCAL]; 3];
+        let column = element / layer.mesh.rows;
+        let (mut by_gap, mut by_other) = ([[0.0; LOCAL]; 3], [[0.0; LOCAL]; 3]);
         if on_surface {
-            let terms = ContactTerms { tangent: Some((&mut tangent, &mut by_gap)), ..ContactTerms::default() };
+            let terms = ContactTangent { by_unknowns: &mut tangent, by_gap: &mut by_gap, by_other: &mut by_other };
+            let terms = ContactTerms { tangent: Some(terms), ..ContactTerms::default() };
+            let contact = self.contact(self.rubbing_on_tissue(column, state));
             contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
         }
         let m = self.layout.cells[cell].len();
@@ -200,25 +202,31 @@ impl System {
         if !on_surface {
             return;
         }
-        let column = element / layer.mesh.rows;
         let two_bodies = self.layers.len() == 2;
         let surface = self.surface(body, column);
         surface.transform_columns(matrix, m);
-        for (a, values) in by_gap.iter().enumerate() {
-            let column = &mut matrix[(NODES + a) * m..][..LOCAL];
-            column.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        let others = if two_bodies { Some(LOCAL + 3) } else { None };
+        for (first, by) in [(Some(NODES), by_gap), (others, by_other)] {
+            for (place, values) in first.into_iter().flat_map(|first| first..first + 3).zip(&by) {
+                let column = &mut matrix[place * m..][..LOCAL];
+                column.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            }
         }
         // Rows, then friction and the condition of contact.
+        let friction: [f64; 3] = std::array::from_fn(|a| match active[2 * column + a] {
+            true => self.station_friction(2 * column + a, state),
+            false => 0.0,
+        });
         for j in 0..m {
             let values = &mut matrix[j * m..(j + 1) * m];
             surface.transform_rows(values);
             for a in (0..3).filter(|a| active[2 * column + a]) {
+                let force = layer.side * friction[a] * self.cosine[2 * column + a] * values[NODES + a];
+                values[a] += force;
                 if two_bodies {
-                    let force = layer.side * contact.friction * self.cosine[2 * column + a] * values[NODES + a];
-                    values[a] += force;
                     values[LOCAL + 3 + a] -= force;
                 }
-                values[NODES + a] = if j == NODES + a { contact.law.condition(0.0).1 } else { 0.0 };
+                values[NODES + a] = if j == NODES + a { self.contact_law().condition(0.0).1 } else { 0.0 };
             }
         }
         if body == 0 {
@@ -235,6 +243,19 @@ impl System {
                         let drag = row(film::DRAG.start + a);
                         for ((_, part), first) in self.drag_on(2 * column + a).zip(drag_places) {
                             matrix[place * m + first + a] += part * drag;
+                        }
+                    }
+                }
+            }
+            for station in (2 * column..=2 * column + 2).filter(|station| active[*station]) {
+                let rubbing = self.rubbing_on_tissue(column, state);
+                let (a, force) = (station - 2 * column, self.part_of(station, column) * state.contact_forces[station]);
+                for (k, first) in [Some(0), others].into_iter().enumerate() {
+                    for (b, place) in first.into_iter().flat_map(|first| first..first + 3).enumerate() {
+                        let change = force * rubbing.by_walls[k] * rubbing.by_sideways[k][b];
+                        matrix[place * m + a] += change;
+                        if let Some(lower) = others {
+                            matrix[place * m + lower + a] -= change;
                         }
                     }
                 }
@@ -286,12 +307,9 @@ impl System {
             if let Some(history) = &perturbation.history {
                 self.add_storage(at, history, values);
             }
-            let contact = self.contact(&at.inputs);
-            let speeds = direction.surface_speeds(&at.inputs);
             for i in (0..at.active.len()).filter(|i| at.active[*i]) {
                 let gap = self.layout.gap[i] as usize;
-                let change = contact.friction * self.copies() * self.cosine[i] * values[gap]
-                    + contact.friction_change(speeds) * at.contact_forces[i];
+                let change = self.station_friction(i, at) * self.copies() * self.cosine[i] * values[gap];
                 self.add_friction(i, change, values);
                 values[gap] = 0.0;
             }
@@ -352,18 +370,13 @@ impl System {
         let (unknowns, inputs, rates) = (&at.unknowns, &at.inputs, at.rates.as_ref());
         let speeds = direction.surface_speeds(inputs);
         let none = vec![0.0; self.unknowns()];
-        let contact = self.contact(inputs);
-        let friction_change = contact.friction_change(speeds);
+        self.add_friction_change(
+            at,
+            |_, rubbing| rubbing.friction_along(&[0.0; film::LOCAL], speeds, [0.0; 2]),
+            values,
+        );
         for (body, layer) in self.layers.iter().enumerate() {
             for element in 0..layer.mesh.elements() {
-                // Rubbing surfaces feel both speeds.
-                if friction_change != 0.0 && element.is_multiple_of(layer.mesh.rows) {
-                    let at = self.local(body, element, unknowns, inputs.penetration_depth);
-                    let mut local = [0.0; LOCAL];
-                    let terms = ContactTerms { by_friction: Some(&mut local), ..ContactTerms::default() };
-                    contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
-                    self.scatter(body, element, &local.map(|v| v * friction_change), values);
-                }
                 // Only the row at the bone feels the depth; all rows feel the speed.
                 let at_bone = element % layer.mesh.rows + 1 == layer.mesh.rows && direction.penetration_depth != 0.0;
                 if !at_bone && speeds[body] == 0.0 {
