@@ -204,6 +204,11 @@ pub fn solve(
         if !size.is_finite() {
             return Err(fail("the update is not finite".into()));
         }
+        // By a tangent of elsewhere so large an update leads astray.
+        if !stale && size > 1.0 {
+            stale = true;
+            continue;
+        }
         lost += usize::from(size > 1.0);
         if lost > settings.most_large {
             return Err(fail("Newton's method gets lost".into()));
@@ -389,6 +394,23 @@ mod tests {
         assert_eq!((iterations, forgotten), (1, Some(remainder.powf(FORGETTING))));
         assert_eq!(run(1.42, Some(0.5), 1e-3).0, 2);
         assert_eq!(run(1.42, Some(remainder), 1e-5).0, 3);
+    }
+
+    #[test]
+    fn a_tangent_that_leads_astray_is_renewed_first() {
+        let scalar = Scalar { function: |z| (z * z - 2.0, 2.0 * z), slope: 0.01, sizes: vec![], factorised: 0 };
+        let (mut problem, mut z) = (Kept(scalar, None), [1.5]);
+        let settings = Settings {
+            tolerance: 1e-10,
+            maximum_iterations: 20,
+            patience: 8.0,
+            most_large: 0,
+            deadline: Deadline::default(),
+        };
+        let solution = solve(&mut problem, &mut z, &mut Vec::new(), &settings).unwrap();
+        assert!((z[0] - 2.0_f64.sqrt()).abs() < 1e-10 && problem.0.factorised > 0, "{z:?}");
+        // The one that was not applied counts, as the work it was.
+        assert_eq!(solution.iterations, problem.0.sizes.len());
     }
 
     #[test]
