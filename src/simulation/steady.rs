@@ -225,7 +225,7 @@ fn continue_to(
 ) -> Result<Steady, Box<Stuck>> {
     let moves = grid::moves(&bodies.parameters);
     let start = from.state.target();
-    let way = |fraction: f64| if fraction == 1.0 { to } else { between(&start, &to, fraction, control, moves) };
+    let way = |fraction: f64| between(&start, &to, fraction, control, moves);
     let mut reached = from.clone();
     let first = if moves { first_step(&start, &to, control) } else { 1.0 };
     let shortest = if moves { SHORTEST[1] * first } else { SHORTEST[0] };
@@ -342,6 +342,10 @@ const CLEARANCE: f64 = 20e-6;
 /// What is given at a fraction of the way: viscosities, loads and, where the mesh goes with the contact, depths and speeds grow by the same
 /// factor in equal fractions, the rest evenly.
 fn between(from: &Target, to: &Target, fraction: f64, control: Control, moves: bool) -> Target {
+    // To the last digit.
+    if fraction == 1.0 {
+        return *to;
+    }
     let mix = |a: f64, b: f64| a + fraction * (b - a);
     let grow = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * (b / a).powf(fraction) } else { mix(a, b) };
     let mut inputs = from.inputs.combined(&to.inputs, mix);
