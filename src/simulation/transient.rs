@@ -22,6 +22,8 @@ use crate::solver::time_stepping::{self, Failure, Method, Stuck};
 const ITERATIONS: usize = 12;
 /// Most of them with an update larger than the unknowns.
 const LARGE_UPDATES: usize = 3;
+/// And where the step was found once and has to be found again.
+const ITERATIONS_AGAIN: usize = 60;
 
 /// What the next step in time goes by.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -126,6 +128,8 @@ struct TimeStepper<'a> {
     film_trend: Vec<[f64; 3]>,
     reusable: Option<Reusable>,
     iterations: usize,
+    /// Most iterations of a stage, and most of them with a large update.
+    most: [usize; 2],
 }
 
 impl<'a> TimeStepper<'a> {
@@ -133,7 +137,20 @@ impl<'a> TimeStepper<'a> {
         let state = course.start.clone();
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
         let (trend, film_trend, reusable) = (course.trend.clone(), Vec::new(), course.reusable.clone());
-        Self { bodies, drive, course, duration, state, stored_volumes, trend, film_trend, reusable, iterations: 0 }
+        let most = [ITERATIONS, LARGE_UPDATES];
+        Self {
+            bodies,
+            drive,
+            course,
+            duration,
+            state,
+            stored_volumes,
+            trend,
+            film_trend,
+            reusable,
+            iterations: 0,
+            most,
+        }
     }
 
     /// Both stages of an internal step; `visit` is told of each with the time from the start.
@@ -189,9 +206,9 @@ impl<'a> TimeStepper<'a> {
         guess.rates = Some(rates.clone());
         let settings = newton::Settings {
             tolerance: parameters.tolerance,
-            maximum_iterations: ITERATIONS,
+            maximum_iterations: self.most[0],
             patience: PATIENCE,
-            most_large: LARGE_UPDATES,
+            most_large: self.most[1],
             deadline: bodies.deadline,
         };
         let reusable = self.reusable.as_ref().map(|Reusable { linearization, remainder }| {
@@ -348,6 +365,7 @@ pub(super) fn replay(
     // Long after the step, perhaps.
     bodies.deadline = Deadline::after(bodies.parameters.maximum_solve_time);
     let mut stepper = TimeStepper::new(bodies, drive, course, duration);
+    stepper.most = [ITERATIONS_AGAIN; 2];
     let mut time = 0.0;
     for step in &course.steps {
         let stages = stepper.stages(time, *step, &mut visit)?;
