@@ -272,8 +272,8 @@ static COMMON_ROWS: [Parameter; 19] = rows! {
     451 boundary_friction_coefficient: real(Unit::One, 0.0, 2.0, 0.5), "Friction coefficient of drained solid on solid";
     452 boundary_friction_loads_tissue: boolean,
         "Whether boundary friction acts on the tissue as a traction or is only reported";
-    453 friction_regularisation_speed: real(Unit::MetrePerSecond, 1e-9, 1.0, 1e-3),
-        "Sliding velocity at which regularised Coulomb friction reaches 71 % of its full value (consistent formulation)";
+    453 friction_regularisation_speed: real(Unit::MetrePerSecond, 1e-6, 1.0, 1e-3),
+        "Sliding velocity of the deformed surfaces at which regularised Coulomb friction reaches 71 % of its full value (consistent formulation)";
     454 shear_film_offset: real(Unit::Metre, 1e-9, 1e-4, 1e-7),
         "Length added to the film thickness in the Couette shear stress, so that it stays finite in contact";
     455 formulation: choice(
