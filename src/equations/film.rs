@@ -63,14 +63,14 @@ pub struct Stretch {
     /// The surfaces.
     pub surfaces: [f64; 2],
     film: f64,
-    /// Derivatives of `surfaces` by the displacements of each surface at the three nodes \[1/m\].
+    /// Derivatives of `surfaces` with respect to the displacements of each surface at the three nodes \[1/m\].
     pub by_surface: [[f64; 3]; 2],
-    /// Derivatives of `film` by the displacements of either surface.
+    /// Derivatives of `film` with respect to the displacements of either surface.
     by_either: [f64; 3],
 }
 
 impl Stretch {
-    /// Derivatives by the displacements along x, from those by the stretches of the film and of the surfaces.
+    /// Derivatives with respect to the displacements along x, from those with respect to the stretches of the film and of the surfaces.
     fn by_sideways(&self, by_film: f64, by_surfaces: [f64; 2]) -> [f64; 6] {
         std::array::from_fn(|i| by_film * self.by_either[i % 3] + by_surfaces[i / 3] * self.by_surface[i / 3][i % 3])
     }
@@ -149,9 +149,9 @@ pub const DISSIPATION: usize = 6;
 pub struct Terms {
     /// The rows.
     pub rows: [f64; ROWS],
-    /// Each row by the values of the element.
+    /// Derivatives of each row with respect to the values of the element.
     pub tangent: [[f64; LOCAL]; ROWS],
-    /// By the speeds of the upper and the lower surface.
+    /// With respect to the speeds of the upper and the lower surface.
     pub by_speeds: [[f64; ROWS]; 2],
 }
 
@@ -184,7 +184,7 @@ impl Terms {
     }
 }
 
-/// Derivatives by the values of an element and by the speeds of the surfaces.
+/// Derivatives with respect to the values of an element and to the speeds of the surfaces.
 #[derive(Default)]
 struct Gradient {
     values: Local,
@@ -201,7 +201,7 @@ struct Store {
 }
 
 /// Where fluid flows: the place in the element -1..=1, shape functions of gap and pressure, the node from which void is carried, and
-/// derivatives of the pressure's shape functions, which are the test functions too, by the place as a fraction of the element's length.
+/// derivatives of the pressure's shape functions, which are the test functions too, along the element as a fraction of its length.
 struct Flow {
     place: f64,
     gap: [f64; 3],
