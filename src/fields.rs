@@ -238,7 +238,7 @@ impl Solved<'_> {
             let element = column * layer.mesh.rows;
             let mut residual = [0.0; LOCAL];
             let rate = system.volume_rate(self.state.rates.as_ref(), body, element);
-            let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
+            let terms = ElementTerms { residual: Some(&mut residual), ..ElementTerms::default() };
             let speeds = system.relative_speeds(body, column, &self.state.inputs, self.state.rates.as_ref());
             layer.tissue.element(&layer.mesh, element, &self.local(body, element), speeds, &rate, terms)?;
             let length = system.stations[2 * column + 2] - system.stations[2 * column];
