@@ -1,11 +1,11 @@
-"""What a film that may tear does to pressure and load (FMPy, with the FMU of FMI 2.0).
+"""What a film that may cavitate does to pressure and load (FMPy, with the FMU of FMI 2.0).
 
     pip install fmpy matplotlib
     cargo run --release               # writes the FMU
     python examples/cavitation.py     # some ten seconds; writes cavitation.png
 
-Below a cavitation pressure the film tears instead of pulling: gas or vapour fills a part of the gap, and the fluid that is left is
-carried along until the film forms again. Three cavitation pressures above ambient are compared with a film that never tears.
+Below a cavitation pressure the film cavitates instead of pulling: gas or vapour fills a part of the gap, and the fluid that is left is
+carried along until the film forms again. Three cavitation pressures above ambient are compared with a film that never cavitates.
 """
 
 from start import FMU, needs, options, tell
@@ -16,7 +16,7 @@ import numpy as np
 from fmpy import simulate_fmu
 
 DEPTHS = 1e-6 * np.arange(-10, 11)  # m, a full film throughout
-PRESSURES = [None, -2000.0, -500.0, 0.0]  # Pa; None never tears
+PRESSURES = [None, -2000.0, -500.0, 0.0]  # Pa; None never cavitates
 STATIONS = range(1, 102)
 OUTPUTS = ["penetration_depth", "load", "minimum_film_thickness", "minimum_fluid_pressure", "cavitated_length"]
 

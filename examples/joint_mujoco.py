@@ -272,7 +272,7 @@ class Setting:
 
 
 def run(setting: Setting, contact, master, size: float, duration: float, speed=swing, push: float = 0.0, hear=None):
-    """Rows of time, depth, normal force, moment about the axis, least film and fluid share; the number of solutions; and why it ended
+    """Rows of time, depth, normal force, moment about the axis, least film and fluid load support; the number of solutions; and why it ended
     early, where it did: a master failed, or the bones left the contact.
 
     `push`: a speed towards the other bone at the start [m/s], in place of the heel strike.

@@ -165,7 +165,7 @@ def main(knees=100, fmu=FMU, folder="population", picture="population.png", sche
 
 
 def summarise(table):
-    """Prints what failed and what it cost, and friction and the fluid's share of the load at each speed."""
+    """Prints what failed and what it cost, and friction and fluid load support at each speed."""
     rows = table.to_pylist()
     knees = {row["knee"]: row for row in rows}
     failed = [knee for knee, row in knees.items() if row["problem"]]
@@ -176,18 +176,18 @@ def summarise(table):
     size = [row["memory"] for row in knees.values()]
     print(f"{seconds:.1f} s of processor time a knee, {3600 / seconds:.0f} knees an hour and core; largest memory of a worker "
           f"{min(size):.0f} MB after its first knees, {max(size):.0f} MB in the end")  # fmt: skip
-    print("sliding speed [mm/s]   friction coefficient: 5th, 50th, 95th percentile   fluid's share of the load: the same")
+    print("sliding speed [mm/s]   friction coefficient: 5th, 50th, 95th percentile   fluid load support: the same")
     for speed in sorted({row["sliding_speed"] for row in good}, reverse=True):
         here = [row for row in good if row["sliding_speed"] == speed]
-        friction, share = (
+        friction, support = (
             np.percentile([row[name] for row in here], [5, 50, 95]) for name in ("friction_coefficient", "fluid_load_support")
         )
         numbers = "   ".join(f"{value:.4f}" for value in friction)
-        print(f"{1e3 * speed:20.2f}   {numbers:>50}   {'   '.join(f'{value:.3f}' for value in share)}")
+        print(f"{1e3 * speed:20.2f}   {numbers:>50}   {'   '.join(f'{value:.3f}' for value in support)}")
 
 
 def draw(table, picture):
-    """Friction and the fluid's share over sliding speed: a line a knee, and percentiles over all knees."""
+    """Friction and fluid load support over sliding speed: a line a knee, and percentiles over all knees."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -59,7 +59,8 @@ pub struct InterfaceFields {
     pub void_thickness: Vec<f64>,
     /// Pressure of solid on solid p_c, the normal stress S_n of the solid at the surface \[Pa\].
     pub contact_pressure: Vec<f64>,
-    /// Flux along the film Q = -h^3/(12 eta) p' + U (h - c)/2 with the void c, per unit depth \[m^2/s\].
+    /// Flux along the film Q = -h^3/(12 eta) p' + U (h - c)/2 with the void c, per unit depth; between rough surfaces the flow factor is on
+    /// h^3 \[m^2/s\].
     pub film_flux: Vec<f64>,
     /// Fluid that leaves the upper body through its surface, V_1 \[m/s\].
     pub upper_outflow: Vec<f64>,
@@ -237,7 +238,7 @@ impl Solved<'_> {
             let element = column * layer.mesh.rows;
             let mut residual = [0.0; LOCAL];
             let rate = system.volume_rate(self.state.rates.as_ref(), body, element);
-            let terms = ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None };
+            let terms = ElementTerms { residual: Some(&mut residual), ..ElementTerms::default() };
             let speeds = system.relative_speeds(body, column, &self.state.inputs, self.state.rates.as_ref());
             layer.tissue.element(&layer.mesh, element, &self.local(body, element), speeds, &rate, terms)?;
             let length = system.stations[2 * column + 2] - system.stations[2 * column];

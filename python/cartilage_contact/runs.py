@@ -69,7 +69,7 @@ class State(Mapping[str, Any]):
 def _doubts(values: Mapping[str, Any], contact: Contact) -> list[str]:
     suction = values["minimum_fluid_pressure"]
     if suction < VACUUM and not contact.get("cavitation"):
-        text = f"the fluid pulls with {-suction:.3g} Pa, more than a vacuum of 1e5 Pa: a film would tear (cavitation=True)"
+        text = f"the fluid pulls with {-suction:.3g} Pa, more than a vacuum of 1e5 Pa: a film would cavitate (cavitation=True)"
         return [text]
     return []
 

@@ -154,7 +154,7 @@ impl ContactLaw {
 pub struct Rubbing {
     /// Friction traction on the upper body per unit of pressure, positive along -x.
     pub friction: f64,
-    /// Its derivatives by the speeds v of the upper and of the lower surface \[s/m\].
+    /// Its derivatives with respect to the speeds v of the upper and of the lower surface \[s/m\].
     pub by_walls: [f64; 2],
     /// Speeds of the undeformed surfaces past the mesh \[m/s\].
     pub relative: [f64; 2],
@@ -162,7 +162,7 @@ pub struct Rubbing {
     pub stretches: [f64; 2],
     /// Speeds of the nodes along the arc \[m/s\].
     pub nodes: [f64; 2],
-    /// Their derivatives by their mean displacement along x \[1/s\].
+    /// Their derivatives with respect to their mean displacement along x \[1/s\].
     pub node_rates: [f64; 2],
     /// Derivatives of each surface's speed v by its displacements along x at the three nodes \[1/s\].
     pub by_sideways: [[f64; 3]; 2],
@@ -200,11 +200,11 @@ pub struct Contact {
 
 /// Derivatives of the residual of an element.
 pub struct ContactTangent<'a> {
-    /// By the local unknowns.
+    /// With respect to the local unknowns.
     pub by_unknowns: &'a mut [f64; LOCAL * LOCAL],
-    /// By the gaps at the three nodes.
+    /// With respect to the gaps at the three nodes.
     pub by_gap: &'a mut [Local; 3],
-    /// By the displacements along x of the other body's three nodes.
+    /// With respect to the displacements along x of the other body's three nodes.
     pub by_other: &'a mut [Local; 3],
 }
 

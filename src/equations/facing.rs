@@ -71,7 +71,7 @@ impl Facing {
         let count = if self.counts { 1.0 } else { 0.0 };
         let apart: [f64; 3] = std::array::from_fn(|a| count * (upper[a] - lower[a]));
 
-        // int p (ξ v)' ds, with the pressure's derivatives by these unknowns.
+        // int p (ξ v)' ds, with the pressure's derivatives with respect to these unknowns.
         let mut move_pressure = |s: f64, value: f64, by: &[(usize, f64)]| {
             let (shape, slope) = (quadratic(s), quadratic_derivative(s));
             let (here, change) = (dot(&shape, &apart), dot(&slope, &apart));

@@ -21,17 +21,9 @@
 //! and the rest moves with the walls. Pressure and w are then straight lines from node to node and the film is stored at the nodes: with
 //! curved ones a node beside the void could neither be full nor cavitated.
 //!
-//! Between rough surfaces the film has the thickness, the flow factor phi and the storage of [`Roughness`]. Pressure and w are straight
-//! lines from node to node, and Q is one number between two nodes, from Reynolds' equation integrated over that length l:
-//!
-//! Q = U h_c/2 - (p_2 - p_1) / (12 int c dx),   h_c = int c h dx / int c dx,   c = eta/(phi h^3)
-//!
-//! The lubricant is sheared at the mean rate (U_1 - U_2) <1/h>, and a viscosity that depends on the rate is that of the mean gradient
-//! of pressure.
-//!
-//! Where the film is so thin that pressure cannot follow the surfaces from node to node, h_c moves upstream, by Pe/(1 + Pe) of the way
-//! to the node there, with the column's Peclet number Pe = 6 eta |U| l^2/(2 pi G h_c^3): the surfaces' answer to a ripple of pressure of
-//! that length against the flow it drives. It vanishes with l^2, so that the scheme is of second order where the film is resolved.
+//! What flows between rough surfaces is in `film/rough.rs`.
+
+mod rough;
 
 use num_dual::Dual64;
 
@@ -71,14 +63,14 @@ pub struct Stretch {
     /// The surfaces.
     pub surfaces: [f64; 2],
     film: f64,
-    /// Derivatives of `surfaces` by the displacements of each surface at the three nodes \[1/m\].
+    /// Derivatives of `surfaces` with respect to the displacements of each surface at the three nodes \[1/m\].
     pub by_surface: [[f64; 3]; 2],
-    /// Derivatives of `film` by the displacements of either surface.
+    /// Derivatives of `film` with respect to the displacements of either surface.
     by_either: [f64; 3],
 }
 
 impl Stretch {
-    /// Derivatives by the displacements along x, from those by the stretches of the film and of the surfaces.
+    /// Derivatives with respect to the displacements along x, from those with respect to the stretches of the film and of the surfaces.
     fn by_sideways(&self, by_film: f64, by_surfaces: [f64; 2]) -> [f64; 6] {
         std::array::from_fn(|i| by_film * self.by_either[i % 3] + by_surfaces[i / 3] * self.by_surface[i / 3][i % 3])
     }
@@ -157,9 +149,9 @@ pub const DISSIPATION: usize = 6;
 pub struct Terms {
     /// The rows.
     pub rows: [f64; ROWS],
-    /// Each row by the values of the element.
+    /// Derivatives of each row with respect to the values of the element.
     pub tangent: [[f64; LOCAL]; ROWS],
-    /// By the speeds of the upper and the lower surface.
+    /// With respect to the speeds of the upper and the lower surface.
     pub by_speeds: [[f64; ROWS]; 2],
 }
 
@@ -192,7 +184,7 @@ impl Terms {
     }
 }
 
-/// Derivatives by the values of an element and by the speeds of the surfaces.
+/// Derivatives with respect to the values of an element and to the speeds of the surfaces.
 #[derive(Default)]
 struct Gradient {
     values: Local,
@@ -209,7 +201,7 @@ struct Store {
 }
 
 /// Where fluid flows: the place in the element -1..=1, shape functions of gap and pressure, the node from which void is carried, and
-/// derivatives of the pressure's shape functions, which are the test functions too, by the place as a fraction of the element's length.
+/// derivatives of the pressure's shape functions, which are the test functions too, along the element as a fraction of its length.
 struct Flow {
     place: f64,
     gap: [f64; 3],
@@ -283,18 +275,18 @@ impl Film {
         })
     }
 
-    /// The Gauss points; of a film that may cavitate those between two nodes, one pair of nodes after the other.
+    /// The Gauss points; of a film that may cavitate those between two nodes, one segment after the other.
     fn flows(&self, sliding_speed: f64) -> impl Iterator<Item = Flow> {
         let Self { cavitates, pressure_order, .. } = *self;
-        let pairs = if cavitates { self.pairs() } else { &[[0, 0]] };
-        pairs.iter().flat_map(move |pair| {
+        let segments = if cavitates { self.segments() } else { &[[0, 0]] };
+        segments.iter().flat_map(move |segment| {
             GAUSS.into_iter().zip(GAUSS_WEIGHTS).map(move |(s, w)| {
                 if !cavitates {
                     let slope = pressure_derivative(pressure_order, s).map(|d| 2.0 * d);
                     let pressure = pressure(pressure_order, s);
                     return Flow { place: s, gap: quadratic(s), pressure, slope, upstream: None, fraction: 0.5 * w };
                 }
-                let [from, to] = *pair;
+                let [from, to] = *segment;
                 let length = 0.5 * (to - from) as f64;
                 let (mut pressure, mut slope) = ([0.0; 3], [0.0; 3]);
                 (pressure[from], pressure[to]) = (0.5 * (1.0 - s), 0.5 * (1.0 + s));
@@ -374,6 +366,16 @@ impl Film {
     /// The terms of an element between an upper and a lower surface of these speeds \[m/s\].
     pub fn element(&self, element: &Element, at: &Local, speeds: [f64; 2], mass_rate: &MassRate) -> Terms {
         let mut terms = Terms::default();
+        self.add_storage(element, at, mass_rate, &mut terms);
+        match &self.rough {
+            Some(rough) => self.add_rough_flow(rough, element, at, speeds, mass_rate, &mut terms),
+            None => self.add_smooth_flow(element, at, speeds, mass_rate, &mut terms),
+        }
+        terms
+    }
+
+    /// Adds d(r h)/dt.
+    fn add_storage(&self, element: &Element, at: &Local, mass_rate: &MassRate, terms: &mut Terms) {
         let chi = self.fluid_compressibility;
         for (store, history) in self.stores().into_iter().zip(mass_rate.history) {
             if mass_rate.rate == 0.0 && history == 0.0 {
@@ -399,10 +401,18 @@ impl Film {
                 }
             }
         }
-        if let Some(rough) = &self.rough {
-            self.add_rough_flow(rough, element, at, speeds, mass_rate, &mut terms);
-            return terms;
-        }
+    }
+
+    /// Adds the flow between smooth surfaces.
+    fn add_smooth_flow(
+        &self,
+        element: &Element,
+        at: &Local,
+        speeds: [f64; 2],
+        mass_rate: &MassRate,
+        terms: &mut Terms,
+    ) {
+        let chi = self.fluid_compressibility;
         for flow in self.flows(mass_rate.relative(speeds, 0.0).iter().sum()) {
             // Seen from the mesh: what it passes by counts as flow.
             let unstretched = mass_rate.relative(speeds, flow.place);
@@ -457,158 +467,11 @@ impl Film {
             let by = spread(by_gap, by_slope, 0.0, -flux.by_speed_difference * gradient, driven * gradient);
             terms.add(DISSIPATION, flow.fraction * length, driven * gradient, &by);
         }
-        terms
     }
 
-    /// Pairs of neighbouring nodes with a pressure of their own.
-    fn pairs(&self) -> &'static [[usize; 2]] {
+    /// Segments between neighbouring nodes with a pressure of their own.
+    fn segments(&self) -> &'static [[usize; 2]] {
         if self.pressure_order == 2 { &[[0, 1], [1, 2]] } else { &[[0, 2]] }
-    }
-
-    /// Flow between rough surfaces.
-    fn add_rough_flow(
-        &self,
-        (rough, shear_modulus): &(Roughness, f64),
-        element: &Element,
-        at: &Local,
-        speeds: [f64; 2],
-        mass_rate: &MassRate,
-        terms: &mut Terms,
-    ) {
-        let speed_difference = speeds[0] - speeds[1];
-        // Between the nodes the logarithm of the thickness is quadratic: at the edge of a contact it grows tenfold within a column, and a
-        // parabola through such values would close the film.
-        let nodes: [(f64, f64); 3] = std::array::from_fn(|b| rough.thickness(at[b]));
-        let logarithms = nodes.map(|(thickness, _)| thickness.ln());
-        for &[from, to] in self.pairs() {
-            let fraction = 0.5 * (to - from) as f64;
-            let middle = from as f64 - 1.0 + fraction;
-            let stretch = element.stretch(middle, at);
-            let distance = fraction * element.length * stretch.film;
-            let relative = mass_rate.relative(speeds, middle);
-            let sliding_speed = relative[0] * stretch.surfaces[0] + relative[1] * stretch.surfaces[1];
-            let drop = at[3 + to] - at[3 + from];
-            // Means over the pair of c, of c h and of the viscosity, with their derivatives with respect to the three gaps, the drop of pressure and
-            // the difference of speeds.
-            let (mut c_mean, mut ch_mean, mut viscosity) = (Mean::default(), Mean::default(), Mean::default());
-            for (s, w) in GAUSS.into_iter().zip(GAUSS_WEIGHTS) {
-                let shape = quadratic(from as f64 - 1.0 + fraction * (1.0 + s));
-                let h = sum(&shape, &logarithms).exp();
-                let (phi, phi_slope) = rough.flow_factor(h);
-                let logarithmic: [f64; 3] = std::array::from_fn(|b| h * shape[b] * nodes[b].1 / nodes[b].0);
-                let (inverse, inverse_slope) = rough.inverse_thickness(h);
-                let gradient = drop / distance;
-                let film = self.fluid.sheared(speed_difference * inverse, 0.5 * h * gradient);
-                let by_h = film.viscosity_by_rate * speed_difference * inverse_slope
-                    + film.viscosity_by_difference * 0.5 * gradient;
-                let by_drop = film.viscosity_by_difference * 0.5 * h / distance;
-                let by_difference = film.viscosity_by_rate * inverse;
-                let factor = 0.5 * w / (phi * h.powi(3));
-                let c = factor * film.viscosity;
-                let c_slope = factor * by_h - c * (3.0 / h + phi_slope / phi);
-                c_mean.add(c, c_slope, &logarithmic, [factor * by_drop, factor * by_difference]);
-                ch_mean.add(c * h, c_slope * h + c, &logarithmic, [factor * h * by_drop, factor * h * by_difference]);
-                viscosity.add(
-                    0.5 * w * film.viscosity,
-                    0.5 * w * by_h,
-                    &logarithmic,
-                    [0.5 * w * by_drop, 0.5 * w * by_difference],
-                );
-            }
-            // By the three gaps, the drop, the stretch, the sum of speeds and their difference: the gradient falls as the distance grows.
-            let [by_c, by_ch, by_viscosity] =
-                [&c_mean, &ch_mean, &viscosity].map(|Mean { by: [a, b, c, drops, slides], .. }| {
-                    [*a, *b, *c, *drops, -drop / stretch.film * drops, 0.0, *slides]
-                });
-            let mean = ch_mean.value / c_mean.value;
-            let up = if sliding_speed < 0.0 { to } else { from };
-            let (upstream, upstream_slope) = nodes[up];
-            let stiffness = 2.0 * std::f64::consts::PI * shear_modulus;
-            let peclet_per_speed = 6.0 * viscosity.value * distance.powi(2) / (stiffness * mean.powi(3));
-            let peclet = peclet_per_speed * sliding_speed.abs();
-            let moved = peclet / (1.0 + peclet);
-            let carried = mean + moved * (upstream - mean);
-            let by_carried: [f64; 7] = std::array::from_fn(|k| {
-                let by_mean = (by_ch[k] - mean * by_c[k]) / c_mean.value;
-                let mut by_peclet = peclet * (by_viscosity[k] / viscosity.value - 3.0 * by_mean / mean);
-                match k {
-                    STRETCH => by_peclet += 2.0 * peclet / stretch.film,
-                    SUM => by_peclet += peclet_per_speed * sliding_speed.signum(),
-                    _ => {}
-                }
-                let by_upstream = if k == up { moved * upstream_slope } else { 0.0 };
-                by_mean * (1.0 - moved) + by_upstream + (upstream - mean) * by_peclet / (1.0 + peclet).powi(2)
-            });
-            let conductance = 1.0 / (12.0 * c_mean.value * distance);
-            let by_conductance: [f64; 7] = std::array::from_fn(|k| {
-                let by_distance = if k == STRETCH { 1.0 / stretch.film } else { 0.0 };
-                -conductance * (by_c[k] / c_mean.value + by_distance)
-            });
-            let spread = |of_carried: f64, of_conductance: f64, by_drop: f64, by_sum: f64| {
-                let mut by: [f64; 7] =
-                    std::array::from_fn(|k| of_carried * by_carried[k] + of_conductance * by_conductance[k]);
-                by[DROP] += by_drop;
-                by[SUM] += by_sum;
-                let mut gradient = Gradient::default();
-                gradient.values[..3].copy_from_slice(&by[..3]);
-                (gradient.values[3 + from], gradient.values[3 + to]) = (-by[DROP], by[DROP]);
-                let sideways = stretch.by_sideways(by[STRETCH], relative.map(|u| by[SUM] * u));
-                gradient.values[SIDEWAYS..].copy_from_slice(&sideways);
-                gradient.speeds =
-                    [by[SUM] * stretch.surfaces[0] + by[DIFFERENCE], by[SUM] * stretch.surfaces[1] - by[DIFFERENCE]];
-                gradient
-            };
-            let density = (0.5 * self.fluid_compressibility * (at[3 + to] + at[3 + from])).exp();
-            let flux = 0.5 * sliding_speed * carried - conductance * drop;
-            let mut by = spread(0.5 * sliding_speed, -drop, -conductance, 0.5 * carried);
-            for node in [from, to] {
-                by.values[3 + node] += 0.5 * self.fluid_compressibility * flux;
-            }
-            terms.add(from, density, flux, &by);
-            terms.add(to, -density, flux, &by);
-            let by = spread(0.5 * drop, 0.0, 0.5 * carried, 0.0);
-            for (row, share) in DRAG.zip(shares([from, to])) {
-                terms.add(row, share, 0.5 * carried * drop, &by);
-            }
-            let by = spread(0.0, drop * drop, 2.0 * conductance * drop, 0.0);
-            terms.add(DISSIPATION, 1.0, conductance * drop * drop, &by);
-        }
-    }
-}
-
-/// What a flow between two nodes depends on, behind the three gaps: the drop of pressure, the stretch of the film, and sum and difference of the
-/// surfaces' speeds.
-const DROP: usize = 3;
-const STRETCH: usize = 4;
-const SUM: usize = 5;
-const DIFFERENCE: usize = 6;
-
-/// Means of the shape functions of the three nodes between two of them.
-fn shares(pair: [usize; 2]) -> [f64; 3] {
-    match pair {
-        [0, 1] => [5.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0],
-        [1, 2] => [-1.0 / 12.0, 8.0 / 12.0, 5.0 / 12.0],
-        _ => SIMPSON,
-    }
-}
-
-/// A mean over the length between two nodes, with its derivatives.
-#[derive(Default)]
-struct Mean {
-    value: f64,
-    by: [f64; 5],
-}
-
-impl Mean {
-    /// Adds a part with its derivatives with respect to the gap there and to two other numbers.
-    fn add(&mut self, value: f64, by_gap: f64, shape: &[f64; 3], by_others: [f64; 2]) {
-        self.value += value;
-        for (sum, shape) in self.by.iter_mut().zip(shape) {
-            *sum += by_gap * shape;
-        }
-        for (sum, by) in self.by[3..].iter_mut().zip(by_others) {
-            *sum += by;
-        }
     }
 }
 

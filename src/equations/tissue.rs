@@ -71,6 +71,7 @@ pub struct VolumeRate {
 pub struct Inverted;
 
 /// What is wanted of an element; matrices are column-major over the local unknowns.
+#[derive(Default)]
 pub struct ElementTerms<'a> {
     /// Added to: the residual.
     pub residual: Option<&'a mut Local>,
@@ -78,6 +79,17 @@ pub struct ElementTerms<'a> {
     pub by_speed: Option<&'a mut Local>,
     /// Added to: its derivative with respect to the local unknowns.
     pub tangent: Option<&'a mut [f64; LOCAL * LOCAL]>,
+}
+
+impl ElementTerms<'_> {
+    /// The same, for one of several that add to them.
+    pub fn reborrow(&mut self) -> ElementTerms<'_> {
+        ElementTerms {
+            residual: self.residual.as_deref_mut(),
+            by_speed: self.by_speed.as_deref_mut(),
+            tangent: self.tangent.as_deref_mut(),
+        }
+    }
 }
 
 /// State of the tissue at a quadrature point.
@@ -499,8 +511,8 @@ mod tests {
         }
         let (mut residual, mut tangent) = ([0.0; LOCAL], [0.0; LOCAL * LOCAL]);
         for terms in [
-            ElementTerms { residual: Some(&mut residual), by_speed: None, tangent: None },
-            ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) },
+            ElementTerms { residual: Some(&mut residual), ..ElementTerms::default() },
+            ElementTerms { tangent: Some(&mut tangent), ..ElementTerms::default() },
         ] {
             assert_eq!(tissue.element(&mesh, 0, &at, [0.0; 2], &VolumeRate::default(), terms), Err(Inverted));
         }

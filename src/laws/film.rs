@@ -16,9 +16,9 @@ pub struct ReynoldsFlux {
     pub by_film_thickness: f64,
     /// dQ/d(dp/dx) \[m^4/(N s) m\].
     pub by_pressure_gradient: f64,
-    /// By the sum of the speeds of the surfaces \[m\].
+    /// With respect to the sum of the speeds of the surfaces \[m\].
     pub by_speed_sum: f64,
-    /// By their difference.
+    /// With respect to their difference.
     pub by_speed_difference: f64,
 }
 

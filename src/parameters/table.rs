@@ -349,7 +349,7 @@ static PRESET_ROW: [Parameter; 1] = [Parameter {
 
 static CAVITATION_ROWS: [Parameter; 2] = rows! {
     475 cavitation: boolean,
-        "Whether the film tears where its pressure would fall below cavitation_pressure; mass is conserved";
+        "Whether the film cavitates where its pressure would fall below cavitation_pressure; mass is conserved";
     476 cavitation_pressure: real(Unit::Pascal, -1e9, 0.0, 1e5),
         "Least pressure of the film, above ambient (where cavitation is true)";
 };

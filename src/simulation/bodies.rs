@@ -126,11 +126,6 @@ impl Bodies {
         self.system(linearization.mirrored).form(linearization)
     }
 
-    /// Where the last tangent of these equations was formed.
-    pub fn linearization(&self, mirrored: bool) -> Option<&State> {
-        self.made(mirrored)?.linearization()
-    }
-
     /// The same state in the unknowns of one body (`mirrored`) or of two.
     pub fn converted(&mut self, mut state: State, mirrored: bool) -> State {
         if state.mirrored == mirrored {

@@ -37,14 +37,25 @@ impl State {
     }
 }
 
-/// Where a tangent was formed, and by how much the last step that was predicted with it was off, unknowns and then the depth.
+/// A tangent that may serve once more.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ReusableTangent {
+    /// Where it was formed.
     pub linearization: State,
+    /// By how much the last steady state that was predicted with it was off, unknowns and then the depth.
     pub predictor_error: Option<PredictorError>,
+    /// What the first update with it left the last time, see [`crate::solver::newton::Solution::remainder`]; of use in time.
+    pub remainder: Option<f64>,
 }
 
 impl ReusableTangent {
+    /// The last one of the equations of one body (`mirrored`) or of two.
+    pub fn last(bodies: &Bodies, mirrored: bool) -> Option<Self> {
+        let system = bodies.made(mirrored)?;
+        let linearization = system.linearization()?.clone();
+        Some(Self { linearization, predictor_error: None, remainder: system.remainder() })
+    }
+
     /// Whether it is of these equations.
     pub fn fits(&self, system: &System) -> bool {
         let error = self.predictor_error.as_ref();

@@ -284,7 +284,7 @@ fn step(bodies: &mut Bodies, from: &Steady, target: &Target, control: Control) -
         (false, false) if bodies.may_mirror(inputs) => {
             let reusable = reached.reusable.map(|reusable| {
                 let linearization = bodies.converted(reusable.linearization, true);
-                Box::new(ReusableTangent { linearization, predictor_error: None })
+                Box::new(ReusableTangent { linearization, predictor_error: None, remainder: None })
             });
             (Ok(Steady { state: bodies.converted(reached.state, true), reusable }), spent)
         }
@@ -330,9 +330,7 @@ fn settle(
             Err(_) => result = again,
         }
     }
-    let reusable = bodies
-        .linearization(mirrored)
-        .map(|linearization| Box::new(ReusableTangent { linearization: linearization.clone(), predictor_error: None }));
+    let reusable = ReusableTangent::last(bodies, mirrored).map(Box::new);
     (result.map(|state| Steady { state, reusable }), spent)
 }
 

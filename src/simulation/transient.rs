@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bodies::{Bodies, PredictorEstimate, State, Task};
 use super::drive::Drive;
-use super::predictor::unknowns_and_depth;
+use super::predictor::{ReusableTangent, unknowns_and_depth};
 use super::steady::PATIENCE;
 use crate::equations::system::{Rates, StoredVolumes, System};
 use crate::error::Error;
@@ -35,7 +35,7 @@ pub(super) struct Motion {
     /// Length of the next internal step \[s\].
     suggestion: f64,
     /// The last tangent.
-    pub reusable: Option<Reusable>,
+    pub reusable: Option<ReusableTangent>,
     /// How the last communication step went, for its derivatives.
     pub course: Course,
 }
@@ -50,20 +50,8 @@ impl Motion {
             && contact >= 0.0
             && system.admits_shifts(&self.course.shifts)
             && system.admits(&self.course.start)
-            && [&self.reusable, &self.course.reusable]
-                .into_iter()
-                .flatten()
-                .all(|reusable| system.admits(&reusable.linearization))
+            && [&self.reusable, &self.course.reusable].into_iter().flatten().all(|reusable| reusable.fits(system))
     }
-}
-
-/// A tangent that may serve once more.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Reusable {
-    /// Where it was formed.
-    pub linearization: State,
-    /// See [`newton::Solution::remainder`].
-    remainder: Option<f64>,
 }
 
 /// The course of a communication step.
@@ -76,7 +64,7 @@ pub(super) struct Course {
     shifts: Vec<f64>,
     trend: Trend,
     /// The tangent that it began with.
-    reusable: Option<Reusable>,
+    reusable: Option<ReusableTangent>,
     /// Lengths of its internal steps \[s\].
     pub steps: Vec<f64>,
 }
@@ -126,7 +114,7 @@ struct TimeStepper<'a> {
     stored_volumes: StoredVolumes,
     trend: Trend,
     film_trend: Vec<[f64; 3]>,
-    reusable: Option<Reusable>,
+    reusable: Option<ReusableTangent>,
     iterations: usize,
     /// Most iterations of a stage, and most of them with a large update.
     most: [usize; 2],
@@ -164,22 +152,12 @@ impl<'a> TimeStepper<'a> {
         let end = time + formula.time;
         let first = self.stage(None, end, formula)?;
         visit(self.bodies, &first, end)?;
-        self.keep_tangent(first.state.mirrored);
+        self.reusable = ReusableTangent::last(self.bodies, first.state.mirrored);
         let end = time + last.time;
         let second = self.stage(Some(&first), end, last)?;
         visit(self.bodies, &second, end)?;
-        self.keep_tangent(second.state.mirrored);
+        self.reusable = ReusableTangent::last(self.bodies, second.state.mirrored);
         Ok([first, second])
-    }
-
-    /// Takes note of the last tangent, for the next stage.
-    fn keep_tangent(&mut self, mirrored: bool) {
-        let remainder = self.bodies.system(mirrored).remainder();
-        let linearization = self.bodies.linearization(mirrored);
-        match &mut self.reusable {
-            Some(reusable) if Some(&reusable.linearization) == linearization => reusable.remainder = remainder,
-            slot => *slot = linearization.cloned().map(|linearization| Reusable { linearization, remainder }),
-        }
     }
 
     fn stage(&mut self, first: Option<&Stage>, time: f64, formula: runge_kutta::Stage) -> Result<Stage, String> {
@@ -211,8 +189,9 @@ impl<'a> TimeStepper<'a> {
             most_large: self.most[1],
             deadline: bodies.deadline,
         };
-        let reusable = self.reusable.as_ref().map(|Reusable { linearization, remainder }| {
-            (linearization, PredictorEstimate { remainder: *remainder, ..PredictorEstimate::default() })
+        let reusable = self.reusable.as_ref().map(|reusable| {
+            let estimate = PredictorEstimate { remainder: reusable.remainder, ..PredictorEstimate::default() };
+            (&reusable.linearization, estimate)
         });
         let task = Task { control: parameters.control, settings, distance_counts: true, reusable };
         let (result, iterations) = bodies.settle(guess.guess_for(inputs, parameters.control), &task);

@@ -91,7 +91,7 @@ mod tests {
 
     /// Three steps of different lengths; the changes of each are known from the last 0.7 of it.
     #[test]
-    fn motion_on_a_parabola_is_foretold_exactly() {
+    fn motion_on_a_parabola_is_predicted_exactly() {
         let at = |t: f64| [1.0 - 2.0 * t + 3.0 * t * t, 4.0 * t - t * t];
         let (mut trend, mut time) = (Trend::default(), 0.0);
         for (index, step) in [0.1, 0.4, 0.2].into_iter().enumerate() {
@@ -118,7 +118,7 @@ mod tests {
 
     /// y = x^3, predicted by its slope at the start of each step of 1: the errors are 1, 4, 7.
     #[test]
-    fn an_error_that_grows_evenly_is_foretold_exactly() {
+    fn an_error_that_grows_evenly_is_predicted_exactly() {
         let error =
             |before: Option<&PredictorError>, x: f64| PredictorError::new(before, &[1.0], &[3.0 * x + 1.0], &[0.0]);
         let first = error(None, 0.0);

@@ -66,7 +66,7 @@ def test_cavitation(fmu2, tmp_path):
         else:
             assert result["minimum_fluid_pressure"].min() > pressure - 1e-3
             assert result["cavitated_length"].max() > 1e-4
-    # Less suction, more load; on so few elements a film that never tears is another one.
+    # Less suction, more load; on so few elements a film that never cavitates is another one.
     assert all((more >= less).all() for less, more in zip(loads[1:], loads[2:]))
     assert (loads[-1] > 1.04 * loads[0]).all()
     assert (tmp_path / "cavitation.png").stat().st_size > 10_000

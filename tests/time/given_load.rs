@@ -1,6 +1,7 @@
 //! A given load: the depth follows.
 
 use approx::assert_relative_eq;
+use cartilage_contact::equations::grid;
 use cartilage_contact::error::Error;
 use cartilage_contact::parameters::{Control, Formulation, Inputs, Parameters};
 use cartilage_contact::simulation::{Drive, Simulation};
@@ -47,6 +48,29 @@ fn thirty_per_cent_of_compression_under_load() {
         }
         assert_relative_eq!(simulation.outputs().penetration_depth, 600.0 * MICRON, max_relative = 1e-4);
     }
+}
+
+/// A mesh that goes with the contact goes with that which the depth makes. In time the tissue gives way to a load for long, and the mesh is
+/// made for the depth at the end of the step before.
+#[test]
+fn in_time_the_mesh_goes_with_the_depth_and_not_with_the_load() {
+    let parameters = Parameters { sector_half_angle: 0.0, ..coarse(Formulation::Consistent, Control::Load) };
+    let half_width = |inputs: &Inputs, control| {
+        grid::half_width(&parameters, grid::contact_half_width(&parameters, inputs, control))
+    };
+    let given = load(2000.0, 0.2);
+    let mut simulation = Simulation::new(&parameters).unwrap();
+    simulation.advance(between(load(50.0, 0.2), given, 0.05), 0.05).unwrap();
+    let mut depths = Vec::new();
+    for _ in 0..3 {
+        simulation.advance(Drive::constant(given), 0.02).unwrap();
+        depths.push(simulation.outputs().penetration_depth);
+    }
+    assert!(depths.is_sorted());
+    let reached = half_width(&Inputs { penetration_depth: depths[1], ..given }, Control::Depth);
+    let made_for = *simulation.fields().unwrap().interface.position.last().unwrap();
+    assert_relative_eq!(made_for, reached, max_relative = 1e-6);
+    assert!((half_width(&given, Control::Load) / reached - 1.0).abs() > 0.01);
 }
 
 #[test]

@@ -1,12 +1,13 @@
 //! The residual: balances, boundary friction, and the active set of contact.
 
-use super::{Change, State, StoredVolumes, System, moves};
+use super::{Change, Layer, Rates, State, StoredVolumes, System, moves};
 use crate::equations::contact::{ContactTerms, Rubbing};
 use crate::equations::facing;
 use crate::equations::film;
 use crate::equations::inflow;
-use crate::equations::tissue::{self, ElementTerms, Inverted, LOCAL, Tissue};
+use crate::equations::tissue::{ElementTerms, Inverted, LOCAL, Local, Tissue, surface_pressure};
 use crate::fem::assembly::scatter;
+use crate::parameters::Inputs;
 use crate::solver::linear::FIXED;
 
 impl System {
@@ -80,6 +81,31 @@ impl System {
         self.add_friction_change(state, friction, values);
     }
 
+    /// Adds what an element of tissue gives, before contact and the film.
+    ///
+    /// # Errors
+    /// [`Inverted`] where it is turned inside out.
+    pub(super) fn add_tissue(
+        &self,
+        body: usize,
+        element: usize,
+        at: &Local,
+        inputs: &Inputs,
+        rates: Option<&Rates>,
+        mut terms: ElementTerms<'_>,
+    ) -> Result<(), Inverted> {
+        let Layer { mesh, tissue, side } = &self.layers[body];
+        let speeds = self.relative_speeds(body, element / mesh.rows, inputs, rates);
+        tissue.element(mesh, element, at, speeds, &self.volume_rate(rates, body, element), terms.reborrow())?;
+        if tissue.consistent {
+            if element.is_multiple_of(mesh.rows) {
+                surface_pressure(mesh, element, *side, at, terms.reborrow());
+            }
+            inflow::ends(tissue, mesh, element, at, speeds, terms);
+        }
+        Ok(())
+    }
+
     /// Residual of all equations; contact enters by [`Self::residual_at`].
     fn raw_residual(&self, state: &State, values: &mut [f64]) -> Result<(), Inverted> {
         let State { unknowns, inputs, .. } = state;
@@ -89,22 +115,12 @@ impl System {
             for element in 0..layer.mesh.elements() {
                 let at = self.local(body, element, unknowns, inputs.penetration_depth);
                 let mut local = [0.0; LOCAL];
-                let rate = self.volume_rate(rates, body, element);
-                let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
-                let relative = self.relative_speeds(body, element / layer.mesh.rows, inputs, rates);
-                layer.tissue.element(&layer.mesh, element, &at, relative, &rate, terms)?;
-                if element.is_multiple_of(layer.mesh.rows) && layer.tissue.consistent {
-                    let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
-                    tissue::surface_pressure(&layer.mesh, element, layer.side, &at, terms);
-                }
+                let terms = ElementTerms { residual: Some(&mut local), ..ElementTerms::default() };
+                self.add_tissue(body, element, &at, inputs, rates, terms)?;
                 if element.is_multiple_of(layer.mesh.rows) {
                     let terms = ContactTerms { residual: Some(&mut local), ..ContactTerms::default() };
                     let contact = self.contact(self.rubbing_on_tissue(element / layer.mesh.rows, state));
                     contact.element(&layer.mesh, element, layer.side, &at, self.gaps(element, unknowns), terms);
-                }
-                if layer.tissue.consistent {
-                    let terms = ElementTerms { residual: Some(&mut local), by_speed: None, tangent: None };
-                    inflow::ends(&layer.tissue, &layer.mesh, element, &at, relative, terms);
                 }
                 self.scatter(body, element, &local, values);
             }

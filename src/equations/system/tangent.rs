@@ -3,9 +3,8 @@
 use super::{Rates, State, StoredVolumes, System, moves};
 use crate::equations::contact::{ContactTangent, ContactTerms};
 use crate::equations::film;
-use crate::equations::inflow;
 use crate::equations::surface::RISE;
-use crate::equations::tissue::{self, ElementTerms, LOCAL, Local, VolumeRate};
+use crate::equations::tissue::{ElementTerms, LOCAL, Local};
 use crate::fem::element::NODES;
 use crate::parameters::Inputs;
 use crate::solver::deadline::Deadline;
@@ -134,28 +133,16 @@ impl System {
         inputs: &Inputs,
         rates: Option<&Rates>,
     ) -> [f64; LOCAL * LOCAL] {
-        let layer = &self.layers[body];
         let mut tangent = [0.0; LOCAL * LOCAL];
-        let rate = self.volume_rate(rates, body, element);
-        let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
-        let relative = self.relative_speeds(body, element / layer.mesh.rows, inputs, rates);
+        let terms = ElementTerms { tangent: Some(&mut tangent), ..ElementTerms::default() };
         // An inverted element was refused when the residual was formed.
-        let inverted = layer.tissue.element(&layer.mesh, element, at, relative, &rate, terms).is_err();
-        if inverted {
+        if self.add_tissue(body, element, at, inputs, rates, terms).is_err() {
             tangent.fill(f64::NAN);
-        }
-        if element.is_multiple_of(layer.mesh.rows) && layer.tissue.consistent {
-            let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
-            tissue::surface_pressure(&layer.mesh, element, layer.side, at, terms);
-        }
-        if layer.tissue.consistent {
-            let terms = ElementTerms { residual: None, by_speed: None, tangent: Some(&mut tangent) };
-            inflow::ends(&layer.tissue, &layer.mesh, element, at, relative, terms);
         }
         tangent
     }
 
-    /// Derivative of an element's residual by the speed of its surface.
+    /// Derivative of an element's residual with respect to the speed of its surface.
     fn element_by_speed(
         &self,
         body: usize,
@@ -164,16 +151,10 @@ impl System {
         inputs: &Inputs,
         rates: Option<&Rates>,
     ) -> Local {
-        let layer = &self.layers[body];
         let mut by_speed = [0.0; LOCAL];
-        let terms = ElementTerms { residual: None, by_speed: Some(&mut by_speed), tangent: None };
-        let speeds = self.relative_speeds(body, element / layer.mesh.rows, inputs, rates);
-        if layer.tissue.element(&layer.mesh, element, at, speeds, &VolumeRate::default(), terms).is_err() {
+        let terms = ElementTerms { by_speed: Some(&mut by_speed), ..ElementTerms::default() };
+        if self.add_tissue(body, element, at, inputs, rates, terms).is_err() {
             by_speed.fill(f64::NAN);
-        }
-        if layer.tissue.consistent {
-            let terms = ElementTerms { residual: None, by_speed: Some(&mut by_speed), tangent: None };
-            inflow::ends(&layer.tissue, &layer.mesh, element, at, speeds, terms);
         }
         by_speed
     }

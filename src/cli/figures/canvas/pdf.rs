@@ -48,19 +48,23 @@ impl Page<'_> {
     }
 }
 
+fn add_path(content: &mut Content, points: &[(f64, f64)]) {
+    for (index, (x, y)) in points.iter().enumerate() {
+        let (x, y) = (*x as f32, *y as f32);
+        if index == 0 {
+            content.move_to(x, y)
+        } else {
+            content.line_to(x, y)
+        };
+    }
+}
+
 impl Canvas for Page<'_> {
     fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Result<(), String> {
         let [r, g, b] = components(colour);
         let mut content = self.content.borrow_mut();
         content.set_stroke_rgb(r, g, b).set_line_width(width as f32);
-        for (index, (x, y)) in points.iter().enumerate() {
-            let (x, y) = (*x as f32, *y as f32);
-            if index == 0 {
-                content.move_to(x, y)
-            } else {
-                content.line_to(x, y)
-            };
-        }
+        add_path(&mut content, points);
         content.stroke();
         Ok(())
     }
@@ -68,14 +72,7 @@ impl Canvas for Page<'_> {
     fn area(&self, points: &[(f64, f64)], colour: RGBColor, opacity: f64) -> Result<(), String> {
         self.fill_with(colour, opacity);
         let mut content = self.content.borrow_mut();
-        for (index, (x, y)) in points.iter().enumerate() {
-            let (x, y) = (*x as f32, *y as f32);
-            if index == 0 {
-                content.move_to(x, y)
-            } else {
-                content.line_to(x, y)
-            };
-        }
+        add_path(&mut content, points);
         content.close_path();
         if opacity < 1.0 {
             content.fill_nonzero();
