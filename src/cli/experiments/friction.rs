@@ -95,13 +95,13 @@ pub(super) fn on_glass() -> Result<Row, Error> {
                and migrating (1: the glass rests), steady. Beside it the stationary one with a thousand times the permeability in a thousandth of the time, so \
                that a thousandth of the fluid passes through the film."
             .into(),
-        published: "Krishnan et al. (2004): 6 mm bovine discs, 4.5 N, 1 mm/s: the fluid's share falls from 0.888 +- 0.038 to 0.087 +- 0.086 and friction \
+        published: "Krishnan et al. (2004): 6 mm bovine discs, 4.5 N, 1 mm/s: fluid load support falls from 0.888 +- 0.038 to 0.087 +- 0.086 and friction \
                     rises from 0.010 +- 0.007 to 0.243 +- 0.044 within 920 to 19,870 s (median 4,560). Caligaris and Ateshian (2008, PMC2622427): \
                     a migrating contact keeps its low friction for an hour and more, some 60 times below equilibrium"
             .into(),
         ours: format!(
-            "share {} at the start and {} at the end, friction {} rising to {}; all but without the film's fluid share {} and 0.087 after {} s; \
-             migrating: friction {}, share {}, {} times below equilibrium",
+            "support {} at the start and {} at the end, friction {} rising to {}; all but without the film {} and 0.087 after {} s; \
+             migrating: friction {}, support {}, {} times below equilibrium",
             bar(&support, [&first, &finer_first]),
             bar(&support, [&last, &finer_last]),
             bar(&friction, [&first, &finer_first]),
@@ -113,11 +113,11 @@ pub(super) fn on_glass() -> Result<Row, Error> {
             format::number(0.284 / friction(&kept), 2)
         ),
         verdict: format!(
-            "agreement of friction at the end and, without the film, of the share; miss of friction at the start, of the time, and of the factor of 60. Through \
+            "agreement of friction at the end and, without the film, of the support; miss of friction at the start, of the time, and of the factor of 60. Through \
              the film fluid leaves at first, and later the glass drags some into the wedge beside a round contact, for hours; a flat disc has no wedge. Their own law asks for \
-             {} at their share of 0.888, three times what they measured at the start; ours follows the law. A strip's slowest mode takes 2.3 times \
+             {} at their support of 0.888, three times what they measured at the start; ours follows the law. A strip's slowest mode takes 2.3 times \
              as long as a disc's of the same width, and bonded tissue without stiffness in tension drains more slowly than a disc that spreads. A \
-             migrating contact does keep its friction; but isotropic tissue gives no more than the share of an undrained layer (the row above), too \
+             migrating contact does keep its friction; but isotropic tissue gives no more than the support of an undrained layer (the row above), too \
              little for a factor of 60",
             format::number(law(0.888), 2)
         ) + ".",

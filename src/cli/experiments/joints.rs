@@ -122,7 +122,7 @@ pub(super) fn ankle() -> Result<Row, Error> {
         ),
         verdict: format!(
             "{}. The film of 1 um is there with synovial fluid of {} Pa s, and theirs is not in the abstract; \
-             thinner fluid leaves it to rough contact and to the pressure of the tissue's fluid (share {} at 0.01 Pa s). Theirs is a compliant layer that \
+             thinner fluid leaves it to rough contact and to the pressure of the tissue's fluid (support {} at 0.01 Pa s). Theirs is a compliant layer that \
              is not porous",
             if sliding.0 <= 0.01 { "agreement with the measured bound of friction, miss of the computed 0.001 where a surface slides" } else { "miss of friction" },
             format::number(viscosity.0, 2),

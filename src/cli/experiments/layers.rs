@@ -114,7 +114,7 @@ pub(super) fn pressed_at_rest() -> Result<Row, Error> {
             format::number(unit, 3)
         ),
         published: "Kelkar and Ateshian (1999): under a step load the fluid supports upward of 96 % in more congruent joints, two equal \
-                    cylindrical layers without film (abstract); the share rises to 1 with a/t"
+                    cylindrical layers without film (abstract); the support rises to 1 with a/t"
             .into(),
         ours: format!(
             "{} at a/t = {}, {} with a/t from {}",
@@ -126,10 +126,10 @@ pub(super) fn pressed_at_rest() -> Result<Row, Error> {
         verdict: verdict(
             rises && most + result.1 > 0.96,
             &format!(
-                "an undrained layer says the same. By its closed form (dashed) the share is 1 for narrow contacts too, least (0.80) where the contact \
+                "an undrained layer says the same. By its closed form (dashed) the support is 1 for narrow contacts too, least (0.80) where the contact \
                  is as wide as two thicknesses, 0.94 at a/t = 4 and 0.96 at 5.4, since the surface of a bonded layer spreads where it \
                  is pressed flat; our values differ from it by {} at most. Rough surfaces take the pressure of that solid part and add nothing to it: \
-                 asperities and core a hundred times softer changed the share by 0.006 at a/t = 1.6 and by 0.001 at 2.6",
+                 asperities and core a hundred times softer changed the support by 0.006 at a/t = 1.6 and by 0.001 at 2.6",
                 format::number(from_theory, 2)
             ),
         ),

@@ -59,7 +59,7 @@ pub(super) fn time_constant() -> Result<Row, Error> {
         stem: "experiments_time",
         title: "Time constant and contact area",
         case: "Two equal layers at rest, a thousand times as permeable as `bovine_humeral_head`, carry 0.127 MPa over 4, 8 and 16 mm, their radii \
-               such that all end equally deep; time until the fluid's share has fallen to half, over the contact's half-width a at that time. \
+               such that all end equally deep; time until fluid load support has fallen to half, over the contact's half-width a at that time. \
                Beside it layers of radii 0.05, 0.1 and 0.4 m that are pressed by 15 um each and held."
             .into(),
         published: "Carter, Basalo and Ateshian (2007): the time constant of friction of cartilage discs 4, 6 and 8 mm wide on glass, at \

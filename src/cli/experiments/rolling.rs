@@ -58,7 +58,7 @@ pub(super) fn peclet() -> Result<Row, Error> {
             format::number(1e3 * a, 3)
         ),
         published: "Moore and Burris (2014, PMC3889488): interstitial lubrication takes a large Peclet number (abstract); their model, as \
-                    quoted, has a share Pe/(Pe + 1) of its limit, in proportion to Pe where that is small"
+                    quoted, has the fraction Pe/(Pe + 1) of its limit, in proportion to Pe where that is small"
             .into(),
         ours: format!(
             "rises with Pe to the power {}; where the film cannot pull, to the power {}; {} at the highest speed",
@@ -69,7 +69,7 @@ pub(super) fn peclet() -> Result<Row, Error> {
         verdict: format!(
             "{}. A full film pulls: at small Pe the pressure is odd in x, above zero where tissue is squeezed on its way in and as much below \
              where it swells on its way out (k p'' = v dJ/dx, and J is even in x), and what it carries is of second order; the pressures \
-             above zero alone rise with the power {}. Their model counts the half that pushes. With a film that tears at ambient \
+             above zero alone rise with the power {}. Their model counts the half that pushes. With a film that cavitates at ambient \
              pressure (`cavitation`, smooth surfaces) that half is all there is, and the power is theirs.",
             if (linear.0 - 1.0).abs() < 0.1 { "agreement without suction, miss with it" } else { "miss" },
             with_bar(pushing)
