@@ -82,7 +82,7 @@ pub(super) fn time_constant() -> Result<Row, Error> {
             neighbours.join(", ")
         ) + ".",
         picture: Picture {
-            title: "Time until half of the fluid's share is gone",
+            title: "Time until half of fluid load support is gone",
             axes: [("half-width a [mm]", Scale::Logarithmic), ("time [s]", Scale::Logarithmic)],
             curves: vec![
                 Curve {
