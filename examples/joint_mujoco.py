@@ -386,7 +386,7 @@ def draw(picture, runs, title, sizes):
         columns = (1e6 * rows[:, 1], rows[:, 2], 1e3 * rows[:, 3], rows[:, 5])
         for axis, values in zip(axes, columns):
             axis.plot(1e3 * rows[:, 0], values, label=label, **style[name])
-    labels = ("penetration depth [µm]", "normal force [N]", "moment of friction [N mm]", "fluid's share of the load [1]")
+    labels = ("penetration depth [µm]", "normal force [N]", "moment of friction [N mm]", "fluid load support [1]")
     for axis, label in zip(axes, labels):
         axis.set_ylabel(label)
         axis.grid(alpha=0.3)

@@ -201,7 +201,7 @@ def draw(table, picture):
     curves = [np.array(sorted(curve)) for curve in knees.values()]
     whole = np.array([curve for curve in curves if len(curve) == max(map(len, curves))])
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.4), layout="constrained")
-    for axis, column, label in zip(axes, (1, 2), ("friction coefficient [1]", "fluid's share of the load [1]")):
+    for axis, column, label in zip(axes, (1, 2), ("friction coefficient [1]", "fluid load support [1]")):
         for curve in curves:
             axis.plot(curve[:, 0], curve[:, column], color="grey", linewidth=0.4, alpha=min(0.6, 100 / len(curves)))
         p5, p25, p50, p75, p95 = np.percentile(whole[:, :, column], [5, 25, 50, 75, 95], axis=0)
