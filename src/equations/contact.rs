@@ -220,8 +220,7 @@ pub struct ContactTerms<'a> {
 }
 
 impl Contact {
-    /// Adds what follows from the gaps to an element of the first row,. `side` is 1 for the upper body and -1 for
-    /// the lower one.
+    /// Adds what follows from the gaps to an element of the first row. `side` is 1 for the upper body and -1 for the lower one.
     pub fn element(
         &self,
         mesh: &LayerMesh,

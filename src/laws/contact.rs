@@ -47,7 +47,7 @@ pub struct Mobilised {
 impl Mobilised {
     /// By the law, with the regularisation speed v.
     pub fn at(slip: f64, regularisation: f64) -> Self {
-        Self { slip, fraction: slip / slip.hypot(regularisation) }
+        Self { slip, fraction: mobilised_friction(Formulation::Consistent, [slip, 0.0], regularisation).0 }
     }
 
     /// After an update to another slip.

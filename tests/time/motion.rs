@@ -295,5 +295,8 @@ fn the_work_of_a_cycle_is_accounted_for() {
         let missing = work[0] + work[1] - work[2..].iter().sum::<f64>();
         println!("{ratio}: {work:?} J/m, missing {missing}; at an instant {:?} W/m", worst);
         assert!(missing.abs() < 0.01 * (work[2] + work[3] + work[4]), "{work:?}");
+        // At every instant: where the solids rub in rolling, little is all there is.
+        let bound = if ratio == 0.0 { 0.02 } else { 0.003 };
+        assert!(worst.0 < bound * worst.1, "{worst:?}");
     }
 }
