@@ -32,7 +32,7 @@ use crate::fem::element::{
 };
 use crate::laws::chain;
 use crate::laws::film::{mean_shear_rate, mean_shear_stress, reynolds_flux};
-use crate::laws::fluid::Fluid;
+use crate::laws::fluid::{Fluid, relative_density};
 use crate::laws::roughness::Roughness;
 
 /// Values of an element: gaps, pressures, thicknesses of void, and displacements along x of the upper and of the lower surface, at three nodes
@@ -303,7 +303,7 @@ impl Film {
     /// of the nodes, and has no kink where they close.
     pub fn mass(&self, element: &Element, at: &Local) -> [f64; 3] {
         self.stores().map(|store| {
-            let density = (self.fluid_compressibility * sum(&store.pressure, &at[3..])).exp();
+            let density = relative_density(self.fluid_compressibility, sum(&store.pressure, &at[3..]));
             let length = element.length * element.stretch(store.place, at).film;
             density * (self.thickness(sum(&store.gap, at)).0 - sum(&store.void, &at[6..])) * length
         })
@@ -345,7 +345,7 @@ impl Film {
             let (thickness, slope) = self.thickness(sum(&store.gap, at));
             let fluid = thickness - sum(&store.void, &at[6..]);
             let more = slope * sum(&store.gap, change) - sum(&store.void, &change[6..]);
-            let density = (self.fluid_compressibility * sum(&store.pressure, &at[3..])).exp();
+            let density = relative_density(self.fluid_compressibility, sum(&store.pressure, &at[3..]));
             let denser = self.fluid_compressibility * sum(&store.pressure, &change[3..]);
             let longer = sum(&stretch.by_either, &sideways);
             density * element.length * ((more + fluid * denser) * stretch.film + fluid * longer)
@@ -384,7 +384,7 @@ impl Film {
             let (thickness, slope) = self.thickness(sum(&store.gap, at));
             let fluid = thickness - sum(&store.void, &at[6..]);
             let stretch = element.stretch(store.place, at);
-            let density = (chi * sum(&store.pressure, &at[3..])).exp();
+            let density = relative_density(chi, sum(&store.pressure, &at[3..]));
             let unstretched = element.length * store.fraction * mass_rate.rate * density;
             let factor = unstretched * stretch.film;
             for a in 0..3 {
@@ -422,7 +422,7 @@ impl Film {
             let length = element.length * stretch.film;
             let slope = flow.slope.map(|d| d / length);
             let gradient = sum(&slope, &at[3..]);
-            let density = (chi * sum(&flow.pressure, &at[3..])).exp();
+            let density = relative_density(chi, sum(&flow.pressure, &at[3..]));
             let both = [sliding_speed, speeds[0] - speeds[1]];
             let flux = reynolds_flux(&self.fluid, gap, gradient, both, self.shear_film_offset);
             let open = gap.max(0.0);

@@ -11,6 +11,7 @@
 use crate::equations::tissue::{ElementTerms, LOCAL, Local, Tissue};
 use crate::fem::element::NODES;
 use crate::fem::mesh::LayerMesh;
+use crate::laws::fluid::relative_density;
 use crate::laws::kinematics::Strain;
 use nalgebra::Matrix2;
 
@@ -26,7 +27,7 @@ pub fn ends(tissue: &Tissue, mesh: &LayerMesh, element: usize, at: &Local, speed
         let [gx, gy] = &point.gradients;
         let sum = |shape: &[f64; NODES], first: usize| -> f64 { (0..NODES).map(|a| shape[a] * at[first + a]).sum() };
         let strain = Strain::new(Matrix2::new(sum(gx, 0), sum(gy, 0), sum(gx, NODES), sum(gy, NODES)));
-        let density = (tissue.fluid_compressibility * sum(&point.pressure_shape, 2 * NODES)).exp();
+        let density = relative_density(tissue.fluid_compressibility, sum(&point.pressure_shape, 2 * NODES));
         let carried = tissue.biot_coefficient * density * point.outflow;
         for (a, test) in point.pressure_shape.into_iter().enumerate() {
             let row = 2 * NODES + a;

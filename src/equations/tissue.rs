@@ -31,6 +31,7 @@ use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, NODES, POINTS, quadratic, quadra
 use crate::fem::mesh::LayerMesh;
 use crate::laws::darcy::{HolmesMow, Mobility};
 use crate::laws::depth::DepthProfile;
+use crate::laws::fluid::relative_density;
 use crate::laws::kinematics::{COFACTOR_DERIVATIVE, Strain, flatten};
 use crate::laws::solid::Solid;
 
@@ -149,7 +150,7 @@ impl Tissue {
 
     /// r = rho/rho0 = exp(chi p)
     fn density(&self, state: &State) -> f64 {
-        (self.fluid_compressibility * state.pressure).exp()
+        relative_density(self.fluid_compressibility, state.pressure)
     }
 
     /// K grad p: what seeps through the pores, against its direction \[m/s\].
@@ -274,7 +275,7 @@ impl Tissue {
         let mut residual = [0.0; LOCAL];
         for (q, rate) in rate.iter().enumerate() {
             let shape = &mesh.pressure_shape[q];
-            let density = (self.fluid_compressibility * dot(shape, &at[2 * NODES..])).exp();
+            let density = relative_density(self.fluid_compressibility, dot(shape, &at[2 * NODES..]));
             let factor = density * self.biot_coefficient * rate;
             for (r, shape) in residual[2 * NODES..].iter_mut().zip(shape) {
                 *r += factor * shape;

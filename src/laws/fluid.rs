@@ -12,6 +12,13 @@
 
 use num_dual::{Dual64, DualNum};
 
+/// Density over that at ambient pressure, rho/rho0 = exp(chi p), of a fluid of compressibility chi \[1/Pa\].
+#[inline(always)]
+pub fn relative_density(compressibility: f64, pressure: f64) -> f64 {
+    // At every quadrature point of every residual: most fluids here do not give way.
+    if compressibility == 0.0 { 1.0 } else { (compressibility * pressure).exp() }
+}
+
 /// How the shear stress of the lubricant depends on the shear rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fluid {

@@ -92,6 +92,8 @@ pub(super) struct Stage {
     stored_volumes: StoredVolumes,
     /// Its unknowns as the mesh carried them along from the state before.
     carried: State,
+    /// By how much unknowns and depth are off from where they were expected.
+    missed: Vec<f64>,
 }
 
 /// The rest of a stage's difference formula. Linear in what was stored before and in the rates of the first stage: changes
@@ -171,6 +173,11 @@ impl<'a> TimeStepper<'a> {
         let mut guess = carried.clone();
         let system = bodies.system_of(&guess);
         let mut update = self.trend.update(formula.time - later, later);
+        if let Some(first) = first {
+            // What the first stage was off by goes on growing.
+            let growing = later / first.formula.time;
+            update.iter_mut().zip(&first.missed).for_each(|(update, missed)| *update -= growing * missed);
+        }
         let followed = guess.inputs.penetration_depth - update.pop().unwrap_or_default();
         if !update.is_empty() {
             system.apply(&mut guess.unknowns, &update, &guess.active);
@@ -194,12 +201,16 @@ impl<'a> TimeStepper<'a> {
             (&reusable.linearization, estimate)
         });
         let task = Task { control: parameters.control, settings, distance_counts: true, reusable };
-        let (result, iterations) = bodies.settle(guess.guess_for(inputs, parameters.control), &task);
+        let guess = guess.guess_for(inputs, parameters.control);
+        let expected = unknowns_and_depth(&guess);
+        let (result, iterations) = bodies.settle(guess, &task);
         self.iterations += iterations;
         let state = result?;
+        let missed =
+            unknowns_and_depth(&state).iter().zip(&expected).map(|(found, expected)| found - expected).collect();
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
         let rate = rates.of(&stored_volumes);
-        Ok(Stage { formula, state, rate, stored_volumes, carried })
+        Ok(Stage { formula, state, rate, stored_volumes, carried, missed })
     }
 }
 

@@ -16,6 +16,7 @@
 
 use super::{DISSIPATION, DRAG, Element, Film, Gradient, Local, MassRate, SIDEWAYS, Stretch, Terms, sum};
 use crate::fem::element::{GAUSS, GAUSS_WEIGHTS, SIMPSON, quadratic};
+use crate::laws::fluid::relative_density;
 use crate::laws::roughness::Roughness;
 
 /// What the flow on a segment depends on, behind the gaps of the three nodes: the difference of pressure, the stretch of the film, and sum and
@@ -239,7 +240,7 @@ impl Film {
                 by[SPEED_SUM] += by_speed_sum;
                 segment.gradient(&by)
             };
-            let density = (0.5 * chi * (at[3 + to] + at[3 + from])).exp();
+            let density = relative_density(chi, 0.5 * (at[3 + to] + at[3 + from]));
             let flux = 0.5 * sliding_speed * carried.value - conductance.value * pressure_difference;
             let mut by = spread(0.5 * sliding_speed, -pressure_difference, -conductance.value, 0.5 * carried.value);
             for node in [from, to] {
