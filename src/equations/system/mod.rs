@@ -3,6 +3,7 @@
 mod laws;
 mod load;
 mod pairing;
+mod prediction;
 mod problem;
 mod residual;
 mod rubbing;
@@ -13,7 +14,7 @@ mod update;
 
 pub use laws::{Layer, fluid};
 pub use load::Loads;
-pub use problem::{Slope, Task};
+pub use problem::{ReusableTangent, Slope, Task};
 pub use state::{Rates, Solved, State, StoredVolumes};
 pub use tangent::{Change, Direction, Perturbation};
 
