@@ -2,7 +2,7 @@
 
 use crate::equations::grid;
 use crate::equations::system::System;
-pub(super) use crate::equations::system::{State, Task};
+pub(super) use crate::equations::system::{ReusableTangent, State, Task};
 use crate::error::Error;
 use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
@@ -114,6 +114,17 @@ impl Bodies {
         let system = self.system_of(state);
         let near = if state.thickening == 1.0 { NEAR } else { 10.0 * NEAR };
         (system.pairs_deformed() && system.mismatch(state) > near).then(|| system.paired_anew(state, part))
+    }
+
+    /// A guess of a state nearby, on the mesh of the contact there: each node keeps what it has in proportion to the contact.
+    pub fn carried(&mut self, state: &State, contact_half_width: f64, shifts: Vec<f64>) -> State {
+        let mut guess = State { contact_half_width, shifts, ..state.clone() };
+        if (contact_half_width, &guess.shifts) != (state.contact_half_width, &state.shifts) {
+            let system = self.system_of(state);
+            let ratio = system.carry(&mut guess.unknowns, contact_half_width, &guess.shifts);
+            guess.inputs.penetration_depth *= ratio;
+        }
+        guess
     }
 
     /// Newton's method from a guess; and the iterations spent.

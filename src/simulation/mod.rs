@@ -3,15 +3,14 @@
 mod bodies;
 mod derivatives;
 mod drive;
-mod predictor;
 mod steady;
 mod transient;
 
 use serde::{Deserialize, Serialize};
 
-use self::bodies::{Bodies, State};
+use self::bodies::{Bodies, ReusableTangent, State};
 pub use self::drive::Drive;
-use self::predictor::{ReusableTangent, Steady};
+use self::steady::Way;
 use self::transient::Motion;
 use crate::equations::grid::Grid;
 use crate::equations::system::{Solved, System};
@@ -233,11 +232,10 @@ impl Simulation {
                 Path::Steady(reusable) => reusable.clone(),
                 Path::Transient(_) => None,
             };
-            Steady { state: State { rates: None, ..last.state.clone() }, reusable }
+            (State { rates: None, ..last.state.clone() }, reusable)
         });
-        let mut iterations = 0;
         self.bodies.deadline = Deadline::after(self.bodies.parameters.maximum_solve_time);
-        let Steady { state, reusable } = steady::solve(&mut self.bodies, from, &inputs, &mut iterations)?;
+        let Way { state, reusable, iterations, .. } = steady::solve(&mut self.bodies, from, &inputs)?;
         self.accept(Step { state, iterations: iterations as i32, drive, duration, path: Path::Steady(reusable) });
         Ok(())
     }

@@ -7,9 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::bodies::{Bodies, PredictorEstimate, State, Task};
 use super::drive::Drive;
-use super::predictor::{ReusableTangent, unknowns_and_depth};
 use super::steady::PATIENCE;
-use crate::equations::system::{Rates, StoredVolumes, System};
+use crate::equations::system::{Rates, ReusableTangent, StoredVolumes, System};
 use crate::error::Error;
 use crate::parameters::Control;
 use crate::solver::deadline::Deadline;
@@ -154,11 +153,11 @@ impl<'a> TimeStepper<'a> {
         let end = time + formula.time;
         let first = self.stage(None, end, formula)?;
         visit(self.bodies, &first, end)?;
-        self.reusable = ReusableTangent::last(self.bodies, first.state.mirrored);
+        self.reusable = self.bodies.system(first.state.mirrored).reusable_tangent();
         let end = time + last.time;
         let second = self.stage(Some(&first), end, last)?;
         visit(self.bodies, &second, end)?;
-        self.reusable = ReusableTangent::last(self.bodies, second.state.mirrored);
+        self.reusable = self.bodies.system(second.state.mirrored).reusable_tangent();
         Ok([first, second])
     }
 
@@ -169,7 +168,7 @@ impl<'a> TimeStepper<'a> {
         let later = formula.time - first.map_or(0.0, |first| first.formula.time);
         let before = first.map_or(&self.state, |first| &first.state);
         let fraction = time / self.duration;
-        let carried = carried(bodies, before, self.course.contact_half_width(fraction), self.course.shifts(fraction));
+        let carried = bodies.carried(before, self.course.contact_half_width(fraction), self.course.shifts(fraction));
         let mut guess = carried.clone();
         let system = bodies.system_of(&guess);
         let mut update = self.trend.update(formula.time - later, later);
@@ -244,24 +243,13 @@ impl Method for TimeStepper<'_> {
     fn accept(&mut self, [first, second]: [Stage; 2], step: f64) {
         let between = (1.0 - GAMMA) * step;
         self.film_trend = second.rate.combined(1.0 / between, -1.0 / between, &first.rate).film;
-        let [carried, solved] = [&second.carried, &second.state].map(unknowns_and_depth);
+        let [carried, solved] = [&second.carried, &second.state].map(State::unknowns_and_depth);
         let trend = self.trend.followed([&carried, &solved], between, step);
         // A film that cavitates and heals moves with kinks.
         self.trend = if self.bodies.parameters.cavitation { trend.straight() } else { trend };
         self.state = State { rates: Some(Rates::known(second.rate)), ..second.state };
         self.stored_volumes = second.stored_volumes;
     }
-}
-
-/// A guess of the state a little later, on the mesh of the contact then.
-fn carried(bodies: &mut Bodies, state: &State, contact_half_width: f64, shifts: Vec<f64>) -> State {
-    let mut guess = State { contact_half_width, shifts, ..state.clone() };
-    if (contact_half_width, &guess.shifts) != (state.contact_half_width, &state.shifts) {
-        let system = bodies.system_of(state);
-        let ratio = system.carry(&mut guess.unknowns, contact_half_width, &guess.shifts);
-        guess.inputs.penetration_depth *= ratio;
-    }
-    guess
 }
 
 /// Goes on for a communication step, at the end of which the mesh is made for a contact of this half-width. Returns the state at its end and the Newton iterations spent.

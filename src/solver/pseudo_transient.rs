@@ -3,8 +3,6 @@
 
 /// What moves in time towards a steady state.
 pub trait Motion {
-    /// The steady state.
-    type Steady;
     /// Why a step or the steady state was not solved.
     type Reason;
 
@@ -12,8 +10,8 @@ pub trait Motion {
     /// iterations spent.
     fn advance(&mut self, step: f64, fraction: f64) -> (Result<(), Self::Reason>, usize);
 
-    /// Tries the steady state from where it is; and the iterations spent.
-    fn settle(&mut self) -> (Result<Self::Steady, Self::Reason>, usize);
+    /// Tries the steady state from where it is. Moves there, or says why not; and the iterations spent.
+    fn settle(&mut self) -> (Result<(), Self::Reason>, usize);
 }
 
 /// Lengths of steps in time.
@@ -36,9 +34,9 @@ const LARGEST_GROWTH: f64 = 1.5;
 /// After so many steps that were quick to solve the steady state is tried.
 const QUICK: usize = 3;
 
-/// Goes to the steady state by steps in time, in the first of which a `portion` of the way of what is given is gone. Returns the steady
-/// state, or why there is none, and the iterations spent.
-pub fn relax<M: Motion>(motion: &mut M, lengths: &Lengths, mut portion: f64) -> (Result<M::Steady, M::Reason>, usize) {
+/// Goes to the steady state by steps in time, in the first of which a `portion` of the way of what is given is gone. Moves there, or says
+/// why there is none; and the iterations spent.
+pub fn relax<M: Motion>(motion: &mut M, lengths: &Lengths, mut portion: f64) -> (Result<(), M::Reason>, usize) {
     let (mut step, mut done) = (lengths.first, 0.0);
     let (mut patience, mut quick, mut spent) = (0, 0, 0);
     loop {
@@ -91,7 +89,6 @@ mod tests {
     }
 
     impl Motion for Decay {
-        type Steady = f64;
         type Reason = &'static str;
 
         fn advance(&mut self, step: f64, fraction: f64) -> (Result<(), Self::Reason>, usize) {
@@ -105,8 +102,12 @@ mod tests {
             (Ok(()), 3)
         }
 
-        fn settle(&mut self) -> (Result<f64, Self::Reason>, usize) {
-            (if (self.y - self.a).abs() < 1e-3 { Ok(self.a) } else { Err("still moving") }, 1)
+        fn settle(&mut self) -> (Result<(), Self::Reason>, usize) {
+            if (self.y - self.a).abs() > 1e-3 {
+                return (Err("still moving"), 1);
+            }
+            self.y = self.a;
+            (Ok(()), 1)
         }
     }
 
@@ -116,14 +117,14 @@ mod tests {
     fn what_is_given_goes_first_and_then_the_steps_grow_until_time_plays_no_part() {
         let mut decay = Decay { y: 1.0, a: 0.0, longest: 1e9, largest: 9.0, steps: Vec::new() };
         let (result, spent) = relax(&mut decay, &LENGTHS, 0.25);
-        assert_eq!(result, Ok(2.0));
+        assert_eq!((result, decay.y), (Ok(()), 2.0));
         let taken = decay.steps.len();
         assert!(taken < 20 && spent < 4 * taken, "{spent} {taken}");
         assert_eq!(decay.steps[..5], [1e-3, 1e-3, 1e-3, 4e-3, 16e-3]);
         assert!(decay.steps[3..].windows(2).all(|pair| pair[1] == 4.0 * pair[0]), "{:?}", decay.steps);
         // What changes too much at once goes in smaller portions and shorter steps.
         let mut decay = Decay { y: 1.0, a: 0.0, largest: 0.3, steps: Vec::new(), ..decay };
-        assert_eq!(relax(&mut decay, &LENGTHS, 0.25).0, Ok(2.0));
+        assert_eq!((relax(&mut decay, &LENGTHS, 0.25).0, decay.y), (Ok(()), 2.0));
         assert_eq!(decay.steps[..2], [5e-4, 2.5e-4]);
     }
 
@@ -135,6 +136,6 @@ mod tests {
         assert!(stuck.steps.is_empty() && spent < 400, "{spent}");
         // Steps of one second at most never come to where time plays no part, but decay.
         let mut short = Decay { longest: 1.0, ..stuck };
-        assert_eq!(relax(&mut short, &LENGTHS, 1.0).0, Ok(2.0));
+        assert_eq!((relax(&mut short, &LENGTHS, 1.0).0, short.y), (Ok(()), 2.0));
     }
 }

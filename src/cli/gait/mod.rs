@@ -1,6 +1,7 @@
 //! `cartilage-contact gait`: cycles of walking under load control, in time until they repeat, and quasi-steady beside that.
 
 mod cycle;
+mod history;
 
 use std::path::PathBuf;
 
@@ -13,7 +14,8 @@ use cartilage_contact::sweep;
 use cartilage_contact::variables::{self, Source};
 use indicatif::ProgressBar;
 
-use self::cycle::{Cycle, PUBLISHED, Scales};
+use self::cycle::{Cycle, PUBLISHED};
+use self::history::Scales;
 use super::case::CaseArguments;
 use super::figures::gait::{RESOLVED, State, resolved_film};
 use super::stribeck::progress;

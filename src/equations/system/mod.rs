@@ -2,8 +2,11 @@
 
 mod laws;
 mod load;
+mod local;
 mod pairing;
+mod prediction;
 mod problem;
+mod rates;
 mod residual;
 mod rubbing;
 mod state;
@@ -13,7 +16,7 @@ mod update;
 
 pub use laws::{Layer, fluid};
 pub use load::Loads;
-pub use problem::{Slope, Task};
+pub use problem::{ReusableTangent, Slope, Task};
 pub use state::{Rates, Solved, State, StoredVolumes};
 pub use tangent::{Change, Direction, Perturbation};
 
@@ -23,9 +26,7 @@ use crate::equations::film_end::{FilmEnd, Outflow};
 use crate::equations::grid::{self, Grid};
 use crate::equations::layout::{Layout, Quantity};
 use crate::equations::surface::Surface;
-use crate::equations::tissue::{LOCAL, Local, VolumeRate};
-use crate::fem::assembly::scatter;
-use crate::fem::element::{NODES, SIMPSON};
+use crate::fem::element::SIMPSON;
 use crate::parameters::{Formulation, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
 use laws::{body, boundary_friction, mobility, roughness, sector};
@@ -248,12 +249,6 @@ impl System {
             && boundary_friction(&self.parameters, &state.inputs) != 0.0
     }
 
-    /// Distances of the surfaces at the nodes of an element of the first row.
-    fn gaps(&self, element: usize, unknowns: &[f64]) -> [f64; 3] {
-        let first = 2 * (element / self.layers[0].mesh.rows);
-        std::array::from_fn(|a| unknowns[self.layout.gap[first + a] as usize])
-    }
-
     /// Half the width of the interface \[m\].
     pub fn half_width(&self) -> f64 {
         self.stations[self.stations.len() - 1]
@@ -305,59 +300,6 @@ impl System {
         }
     }
 
-    /// Displacements and pressures of an element's nodes.
-    pub fn local(&self, body: usize, element: usize, unknowns: &[f64], penetration_depth: f64) -> Local {
-        self.gather(body, element, unknowns, -self.part(&self.layers[body]) * penetration_depth, 1.0)
-    }
-
-    /// Nodal values: unknowns, the bone's displacement, and the gap of the undeformed surfaces times `offset`.
-    fn gather(&self, body: usize, element: usize, unknowns: &[f64], bone: f64, offset: f64) -> Local {
-        let layout = &self.layout;
-        let layer = &self.layers[body];
-        let nodes = layer.mesh.element_nodes(element);
-        let value = |number: u32| if number == FIXED { 0.0 } else { unknowns[number as usize] };
-        let last = layer.mesh.levels() - 1;
-        let mut local = [0.0; LOCAL];
-        for (a, n) in nodes.into_iter().enumerate() {
-            local[a] = value(layout.horizontal[body][n]);
-            let level = n % (last + 1);
-            local[NODES + a] = if level == 0 {
-                let station = n / (last + 1);
-                let rise = layout.rise.get(station).map_or(0.0, |r| unknowns[*r as usize]);
-                let opening = unknowns[layout.gap[station] as usize] + rise - offset * self.touching_gap[station];
-                let mean = layout.mean.get(station).map_or(0.0, |m| unknowns[*m as usize]);
-                mean + self.surface_part(body, station) * opening
-            } else if level == last {
-                bone
-            } else {
-                value(layout.vertical[body][n])
-            };
-            local[2 * NODES + a] = value(layout.pressure[body][n]);
-        }
-        local
-    }
-
-    /// Change of an element's nodal values with a change of the unknowns and of the penetration depth.
-    pub fn local_change(&self, body: usize, element: usize, change: &[f64], penetration_depth: f64) -> Local {
-        self.gather(body, element, change, -self.part(&self.layers[body]) * penetration_depth, 0.0)
-    }
-
-    /// What a column of the film takes from the unknowns.
-    pub fn film_local(&self, column: usize, unknowns: &[f64]) -> film::Local {
-        let levels = self.layers[0].mesh.levels();
-        std::array::from_fn(|i| {
-            let station = 2 * column + i % 3;
-            let number = match i / 3 {
-                0 => self.layout.gap[station],
-                1 => self.layout.pressure[0][station * levels],
-                2 => self.layout.void[station],
-                3 => self.layout.horizontal[0][station * levels],
-                _ => self.lower_horizontal(station),
-            };
-            if number == FIXED { 0.0 } else { unknowns[number as usize] }
-        })
-    }
-
     /// What a column of the film gives in a state.
     pub fn film_terms(&self, column: usize, at: &State) -> film::Terms {
         let rate = self.mass_rate(at.rates.as_ref(), column);
@@ -372,33 +314,6 @@ impl System {
         let rows = self.film.element(&self.film_element(column), &local, at.inputs.surface_speeds(), &still).rows;
         // Tested with the straight line from 1 to 0, whose slope is one over the length.
         rows[0] + 0.5 * rows[1]
-    }
-
-    /// Where forces of the film against its arc on the surface nodes of a column act, and with which part: along x on each body, and along
-    /// y on both, which is the equation of the mean. In the paper's formulation the tissue does not feel them, and against a counterface the part along y is
-    /// left out.
-    fn drag_on(&self, station: usize) -> impl Iterator<Item = (u32, f64)> {
-        let levels = self.layers[0].mesh.levels();
-        let felt = if self.layers[0].tissue.consistent { 1.0 } else { 0.0 };
-        let sine = self.stations[station] * grid::film_curvature(&self.parameters);
-        let along_x =
-            self.layout.horizontal.iter().map(move |numbers| (numbers[station * levels], felt * self.cosine[station]));
-        along_x.chain(self.layout.mean.get(station).map(|mean| (*mean, 2.0 * felt * sine)))
-    }
-
-    /// Adds such forces to the balances.
-    fn scatter_drag(&self, column: usize, forces: [f64; 3], values: &mut [f64]) {
-        for (a, force) in forces.into_iter().enumerate() {
-            for (number, part) in self.drag_on(2 * column + a) {
-                values[number as usize] += part * force;
-            }
-        }
-    }
-
-    /// Number of the displacement along x of the lower surface: the upper one's of mirror images, none of a rigid counterface.
-    fn lower_horizontal(&self, station: usize) -> u32 {
-        let body = if self.mirrored() { 0 } else { 1 };
-        self.layout.horizontal.get(body).map_or(FIXED, |numbers| numbers[station * self.layers[0].mesh.levels()])
     }
 
     /// Pressure and thickness of the void where there is either.
@@ -472,70 +387,6 @@ impl System {
             surfaces: if self.layers.len() == 2 { [surface(0), surface(1)] } else { [1.0; 2] },
             deforms: self.layers[0].tissue.consistent,
         }
-    }
-
-    /// How fast what an element took up changes.
-    pub fn volume_rate(&self, rates: Option<&Rates>, body: usize, element: usize) -> VolumeRate {
-        rates
-            .map_or_else(VolumeRate::default, |r| VolumeRate { rate: r.rate, history: r.history.volume[body][element] })
-    }
-
-    fn mass_rate(&self, rates: Option<&Rates>, column: usize) -> MassRate {
-        rates.map_or_else(MassRate::default, |r| MassRate {
-            rate: r.rate,
-            history: r.history.film[column],
-            mesh_speeds: self.film_mesh_speeds(rates, column),
-        })
-    }
-
-    /// x of the surface nodes of every undeformed body \[m\].
-    fn surfaces(&self) -> Vec<Vec<f64>> {
-        let levels = self.layers[0].mesh.levels();
-        let nodes = |layer: &Layer| layer.mesh.nodes.iter().step_by(levels).map(|node| node[0]).collect();
-        self.layers.iter().map(nodes).collect()
-    }
-
-    /// Speeds along x of a body's mesh at both ends of a column \[m/s\].
-    fn mesh_speeds(&self, body: usize, rates: Option<&Rates>, column: usize) -> [f64; 2] {
-        let (levels, nodes) = (self.layers[0].mesh.levels(), &self.layers[body].mesh.nodes);
-        let speed = |i: usize| rates.map_or(0.0, |r| r.rate * nodes[i * levels][0] + r.history.stations[body][i]);
-        [2 * column, 2 * column + 2].map(speed)
-    }
-
-    /// Those of the film's mesh, halfway between, along its arc.
-    fn film_mesh_speeds(&self, rates: Option<&Rates>, column: usize) -> [f64; 2] {
-        let bodies = self.layers.len();
-        let mean = |end: usize| {
-            (0..bodies).map(|body| self.mesh_speeds(body, rates, column)[end]).sum::<f64>() / bodies as f64
-        };
-        let [left, right] = [mean(0), mean(1)];
-        [left / self.cosine[2 * column], right / self.cosine[2 * column + 2]]
-    }
-
-    /// Surface speeds of a body relative to the mesh at both edges of a column \[m/s\].
-    pub fn relative_speeds(&self, body: usize, column: usize, inputs: &Inputs, rates: Option<&Rates>) -> [f64; 2] {
-        let speed = inputs.surface_speeds()[body];
-        let [left, right] = self.mesh_speeds(body, rates, column);
-        // Along the arc.
-        let along = |station: usize, mesh: f64| speed - mesh / self.surface_cosine(body, station);
-        [along(2 * column, left), along(2 * column + 2, right)]
-    }
-
-    /// Adds local residual terms to the equations. Vertical equations of the surface go to the gap and to the mean.
-    fn scatter(&self, body: usize, element: usize, local: &Local, values: &mut [f64]) {
-        let mut of_cell = [0.0; LOCAL + 3];
-        of_cell[..LOCAL].copy_from_slice(local);
-        if element.is_multiple_of(self.layers[body].mesh.rows) {
-            self.surface(body, element / self.layers[body].mesh.rows).transform_rows(&mut of_cell);
-        }
-        scatter(&of_cell, &self.layout.cells[self.layout.cell(body, element)], values);
-    }
-
-    /// Adds terms of a column of the film to the balances at its three stations.
-    fn scatter_film(&self, column: usize, terms: [f64; 3], values: &mut [f64]) {
-        let levels = self.layers[0].mesh.levels();
-        let numbers: [u32; 3] = std::array::from_fn(|a| self.layout.pressure[0][(2 * column + a) * levels]);
-        scatter(&terms.map(|term| term / self.copies()), &numbers, values);
     }
 
     /// Thickness of the thicker layer \[m\].

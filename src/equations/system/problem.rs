@@ -1,12 +1,15 @@
 //! The system as a problem for Newton's method: what it is solved for, the active set of contact as the discrete state beside the
 //! unknowns, and the tangent that may serve again. Where the load is given, the depth is the last unknown.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Direction, Perturbation, State, System};
 use crate::equations::load::LoadBalance;
 use crate::parameters::Control;
 use crate::solver::deadline::Deadline;
 use crate::solver::linear::Singular;
 use crate::solver::newton::{self, PredictorEstimate};
+use crate::solver::predictor::PredictorError;
 
 /// How a solution changes with one input, and its load \[N/m\].
 #[derive(Debug)]
@@ -24,6 +27,25 @@ pub(super) struct Tangent {
     slopes: [Option<Slope>; 3],
     /// See [`newton::Solution::remainder`].
     remainder: Option<f64>,
+}
+
+/// A tangent that may serve once more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReusableTangent {
+    /// Where it was formed.
+    pub linearization: State,
+    /// By how much the last steady state that was predicted with it was off, unknowns and then the depth.
+    pub predictor_error: Option<PredictorError>,
+    /// What the first update with it left the last time, see [`newton::Solution::remainder`]; of use in time.
+    pub remainder: Option<f64>,
+}
+
+impl ReusableTangent {
+    /// Whether it is of these equations.
+    pub fn fits(&self, system: &System) -> bool {
+        let error = self.predictor_error.as_ref();
+        system.admits(&self.linearization) && error.is_none_or(|error| error.fits(system.unknowns() + 1))
+    }
 }
 
 /// How Newton's method goes about a guess.
@@ -104,9 +126,10 @@ impl System {
         self.tangent.linearization.as_ref()
     }
 
-    /// What the first update with the last tangent left, see [`newton::Solution::remainder`].
-    pub fn remainder(&self) -> Option<f64> {
-        self.tangent.remainder
+    /// The last tangent, for another solution.
+    pub fn reusable_tangent(&self) -> Option<ReusableTangent> {
+        let Tangent { linearization, remainder, .. } = &self.tangent;
+        Some(ReusableTangent { linearization: linearization.clone()?, predictor_error: None, remainder: *remainder })
     }
 
     /// How the solution changes with one of depth, speed and slide-to-roll ratio, by the last tangent.

@@ -49,6 +49,11 @@ impl State {
         self.active.contains(&true)
     }
 
+    /// The unknowns, and then the depth.
+    pub fn unknowns_and_depth(&self) -> Vec<f64> {
+        [&self.unknowns[..], &[self.inputs.penetration_depth]].concat()
+    }
+
     /// Distance of the surfaces at a station \[m\].
     pub fn gap(&self, system: &System, station: usize) -> f64 {
         self.unknowns[system.layout.gap[station] as usize]
