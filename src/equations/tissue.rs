@@ -357,7 +357,8 @@ impl<const BY_SPEED: bool> WithSimd for AddIntegral<'_, '_, BY_SPEED> {
         let fields = ElementFields::new(mesh, element, at);
         let mut sum = ResidualSum::new(mesh, element);
         for q in 0..POINTS {
-            let (tissue, state) = (self.element.tissue.at_point(mesh, element, q), self.element.state(&fields, q)?);
+            let state = self.element.state(&fields, q)?;
+            let tissue = &*self.element.tissue.at_point(mesh, element, q);
             let integrand = if BY_SPEED { tissue.integrand_by_speed(&state) } else { tissue.integrand(&state) };
             sum.add(q, &integrand);
         }

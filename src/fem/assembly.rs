@@ -95,7 +95,8 @@ impl<'a> ElementFields<'a> {
     #[inline(always)]
     pub fn at(&self, point: usize) -> PointFields {
         let sum = |function: &[f64; NODES]| sum(function, &self.nodal);
-        let [by_x, by_y] = [0, 1].map(|k| sum(&self.mesh.points(self.element)[point].gradients[k]));
+        let [gx, gy] = &self.mesh.points(self.element)[point].gradients;
+        let (by_x, by_y) = (sum(gx), sum(gy));
         let pressure_gradient = if self.mesh.pressure_order == 2 {
             Vector2::new(by_x[2], by_y[2])
         } else {

@@ -201,12 +201,12 @@ impl<'a> TimeStepper<'a> {
         });
         let task = Task { control: parameters.control, settings, distance_counts: true, reusable };
         let guess = guess.guess_for(inputs, parameters.control);
-        let expected = unknowns_and_depth(&guess);
+        let expected = guess.unknowns_and_depth();
         let (result, iterations) = bodies.settle(guess, &task);
         self.iterations += iterations;
         let state = result?;
         let missed =
-            unknowns_and_depth(&state).iter().zip(&expected).map(|(found, expected)| found - expected).collect();
+            state.unknowns_and_depth().iter().zip(&expected).map(|(found, expected)| found - expected).collect();
         let stored_volumes = bodies.system_of(&state).stored_volumes(&state);
         let rate = rates.of(&stored_volumes);
         Ok(Stage { formula, state, rate, stored_volumes, carried, missed })
