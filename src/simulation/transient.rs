@@ -171,12 +171,9 @@ impl<'a> TimeStepper<'a> {
         let carried = bodies.carried(before, self.course.contact_half_width(fraction), self.course.shifts(fraction));
         let mut guess = carried.clone();
         let system = bodies.system_of(&guess);
-        let mut update = self.trend.update(formula.time - later, later);
-        if let Some(first) = first {
-            // What the first stage was off by goes on growing.
-            let growing = later / first.formula.time;
-            update.iter_mut().zip(&first.missed).for_each(|(update, missed)| *update -= growing * missed);
-        }
+        // What the first stage was off by goes on growing.
+        let corrected = first.map(|first| self.trend.corrected(&first.missed, first.formula.time));
+        let mut update = corrected.as_ref().unwrap_or(&self.trend).update(formula.time - later, later);
         let followed = guess.inputs.penetration_depth - update.pop().unwrap_or_default();
         if !update.is_empty() {
             system.apply(&mut guess.unknowns, &update, &guess.active);

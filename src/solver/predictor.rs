@@ -27,6 +27,13 @@ impl Trend {
         update
     }
 
+    /// With rates by which an interval from the last step on would have ended where it did: it missed that by so much.
+    #[must_use]
+    pub fn corrected(&self, missed: &[f64], interval: f64) -> Self {
+        let rates = self.rates.iter().zip(missed).map(|(rate, missed)| rate + missed / interval).collect();
+        Self { rates, ..self.clone() }
+    }
+
     /// After a step at whose end an interval led from one list of values to another.
     #[must_use]
     pub fn followed(&self, [before, now]: [&[f64]; 2], interval: f64, step: f64) -> Self {
@@ -88,6 +95,20 @@ pub fn proportion(now: &[f64], then: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What changes course at a step is met again in the second interval after it.
+    #[test]
+    fn a_trend_that_missed_is_corrected_for_what_follows() {
+        let trend = Trend::default().followed([&[0.0, 0.0], &[0.2, 0.1]], 0.1, 0.1);
+        // From there on 5 a second, and the first as before.
+        let missed = [0.0, (5.0 - 1.0) * 0.03];
+        let update = trend.corrected(&missed, 0.03).update(0.03, 0.07);
+        let straight = trend.update(0.03, 0.07);
+        assert_eq!(update[0], straight[0]);
+        assert!((update[1] - (straight[1] - (5.0 - 1.0) * 0.07)).abs() < 1e-14, "{update:?} {straight:?}");
+        // Where nothing is known nothing is corrected.
+        assert!(Trend::default().corrected(&missed, 0.03).update(0.03, 0.07).is_empty());
+    }
 
     /// Three steps of different lengths; the changes of each are known from the last 0.7 of it.
     #[test]
