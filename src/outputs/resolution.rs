@@ -20,10 +20,9 @@ pub struct Resolution {
     pub warnings: Vec<String>,
 }
 
-/// An estimated error above this is worth a warning.
+/// An estimated error of the load or the film above this is worth a warning; that of the film is between a third and three times the difference
+/// from twice the mesh in random cases.
 const LARGE_ERROR: f64 = 0.02;
-/// And of the film: in random cases it is between a third and three times the difference from twice the mesh.
-const LARGE_FILM_ERROR: f64 = 0.03;
 /// Pressure at an end of the sector over the largest one that is worth one.
 const LARGE_END: f64 = 0.03;
 /// And of the friction: of 48 random cases six were 4 % off and more, and five of these are above it; all others are below 0.01. Of 20 with smooth surfaces
@@ -82,7 +81,7 @@ impl Solved<'_> {
             ));
         }
         let film_error = film_error(self);
-        if film_error > LARGE_FILM_ERROR {
+        if film_error > LARGE_ERROR {
             warnings.push(format!(
                 "the film bends so much from column to column that its least thickness may be off by {:.0} %, and the film's \
                  friction likewise; load and depth are not concerned: more mesh.columns",
