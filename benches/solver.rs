@@ -130,7 +130,7 @@ fn reduced(criterion: &mut Criterion) {
     // What a state costs does not depend on the mesh that the table was made on.
     let mesh = Mesh { columns: 40, rows: 2, ..Parameters::default().mesh };
     let parameters = Parameters { mesh, sector_half_angle: 0.04, ..parameters() };
-    let range = Range { depths: [-5e-6, 5e-6], speeds: [0.15, 0.25], slide_to_roll_ratio: 0.0 };
+    let range = Range { pressed: [-5e-6, 5e-6], speeds: [0.15, 0.25], slide_to_roll_ratio: 0.0 };
     let tolerance =
         Tolerance { load: 0.1, minimum_film_thickness: 0.2, friction_coefficient: 0.2, fluid_pressure: 0.2 };
     let model = ReducedModel::build(&parameters, range, tolerance, 2, &|_| ()).unwrap();

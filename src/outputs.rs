@@ -16,7 +16,7 @@ use crate::parameters::Parameters;
 use crate::solver::linear::FIXED;
 use resolution::Resolution;
 pub(crate) use results::{Derived, Direct};
-pub use results::{Get, Interpolation, Mirror, Outputs, RESULTS, RealTime, ResultRow};
+pub use results::{Floor, Get, Interpolation, Mirror, Outputs, RESULTS, RealTime, ResultRow};
 
 /// Number of fixed stations of the profiles.
 pub const STATIONS: usize = 101;

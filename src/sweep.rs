@@ -7,7 +7,7 @@ use std::thread::{Builder, Scope, ScopedJoinHandle};
 use crate::error::Error;
 use crate::memory;
 use crate::parameters::{Control, Inputs, Parameters};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, Snapshot};
 
 /// Fewer points than this are not shared out: a state far from the last one costs as much as several nearby.
 const SMALLEST_RANGE: usize = 4;
@@ -35,9 +35,6 @@ pub fn spawn<'scope, T: Send + 'scope>(
 /// # Errors
 /// [`Error::Value`] where a parameter is out of range, [`Error::Memory`] where the system refuses a thread.
 pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: Done<'_>) -> Result<(), Error> {
-    if parameters.control == Control::Load {
-        return Err(Error::value("control", "load", "\"depth\": a sweep goes from depth to depth"));
-    }
     let threads = threads.clamp(1, points.len().div_ceil(SMALLEST_RANGE).max(1));
     let length = points.len().div_ceil(threads);
     let ranges: Vec<_> =
@@ -54,11 +51,7 @@ pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: D
                     // A `while let` would hold the lock while the point is solved, and the threads would take turns.
                     let index = next(&mut ranges.lock().unwrap_or_else(PoisonError::into_inner), own);
                     let Some(index) = index else { break };
-                    let point = points[index];
-                    // Surfaces close more readily than they part.
-                    let parting = point.penetration_depth < simulation.inputs().penetration_depth;
-                    let result = if parting { simulation.restore(&rest) } else { Ok(()) };
-                    let result = result.and_then(|()| simulation.solve_steady(point));
+                    let result = solve_next(&mut simulation, &rest, points[index]);
                     if done(index, result.map(|()| &mut simulation)).is_break() {
                         ranges.lock().unwrap_or_else(PoisonError::into_inner).fill(0..0);
                     }
@@ -71,6 +64,22 @@ pub fn solve(parameters: &Parameters, points: &[Inputs], threads: usize, done: D
         }
         Ok(())
     })
+}
+
+/// Solves a point from the one before, or from rest: smooth surfaces close more readily than they part.
+///
+/// # Errors
+/// Those of [`Simulation::solve_steady`].
+pub fn solve_next(simulation: &mut Simulation, rest: &Snapshot, point: Inputs) -> Result<(), Error> {
+    let (parameters, last) = (simulation.parameters(), simulation.inputs());
+    let parting = match parameters.control {
+        Control::Depth => point.penetration_depth < last.penetration_depth,
+        Control::Load => point.applied_load < last.applied_load,
+    };
+    if parting && parameters.surface_roughness == 0.0 {
+        simulation.restore(rest)?;
+    }
+    simulation.solve_steady(point)
 }
 
 /// The next point of a worker.

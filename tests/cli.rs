@@ -365,6 +365,11 @@ fn reduce_packs_a_model_and_says_how_good_it_is() {
     assert!(archive.windows(27).any(|window| window == b"resources/reduced_model.bin"));
     assert!(refused("reduce --depths 1e-6", 2).contains("--depths=-20e-6:60e-6"));
     assert!(refused("reduce --depths=2e-6:1e-6", 2).contains("ascending"));
+    assert!(
+        refused("reduce --loads 0:1e3", 2).contains("loads = 0e0:1e3 is not allowed: two ascending numbers from 1e-3")
+    );
+    assert!(refused("reduce --joint hip", 2).contains("give --loads"));
+    assert!(refused("sensitivity --joint hip", 2).contains("control = load is not allowed"));
     assert!(refused("solve --set fidelity=reduced", 2).contains("only an FMU"));
 }
 

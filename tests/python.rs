@@ -55,7 +55,7 @@ fn reduced_model() -> ReducedModel {
     let mesh = Mesh { columns: 60, rows: 2, ..Parameters::default().mesh };
     let sector_half_angle = std::f64::consts::PI / 72.0;
     let parameters = Parameters { mesh, sector_half_angle, ..Parameters::default() };
-    let range = Range { depths: [-12e-6, 12e-6], speeds: [0.15, 0.25], slide_to_roll_ratio: 0.0 };
+    let range = Range { pressed: [-12e-6, 12e-6], speeds: [0.15, 0.25], slide_to_roll_ratio: 0.0 };
     let tolerance =
         Tolerance { load: 0.02, minimum_film_thickness: 0.05, friction_coefficient: 0.05, fluid_pressure: 0.1 };
     ReducedModel::build(&parameters, range, tolerance, 2, &|_| ()).unwrap()

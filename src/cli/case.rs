@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use cartilage_contact::error::Error;
 use cartilage_contact::io::case::Case;
-use cartilage_contact::parameters::{PRESETS, Value};
+use cartilage_contact::parameters::{Control, PRESETS, Value};
 use cartilage_contact::units::Unit;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
@@ -47,6 +48,15 @@ impl CaseArguments {
     /// The joint that was named.
     pub fn joint(&self) -> Option<&str> {
         self.joint.as_deref()
+    }
+
+    /// The case, in which depths have to be what is given.
+    pub fn load_by_depth(&self) -> Result<Case, Failure> {
+        let case = self.load()?;
+        match case.parameters.control {
+            Control::Depth => Ok(case),
+            Control::Load => Err(Error::value("control", "load", "\"depth\": the depths are given here").into()),
+        }
     }
 
     /// The preset, then the joint or the case file, then what was set.

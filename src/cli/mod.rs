@@ -42,6 +42,7 @@ Examples:
   cartilage-contact gait --peak-load 100
   cartilage-contact package --output CartilageLineContact.fmu
   cartilage-contact reduce --depths=-20e-6:60e-6 --speeds 0:0.5 --picture
+  cartilage-contact reduce --joint hip --loads 5e3:62e3 --speeds 0.003:0.06
   cartilage-contact solve --help    (every variable with its unit, default and range)
 
 Exit code: 0 done, 1 failed, 2 wrong usage or a mistake in a case.";

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use cartilage_contact::parameters::Control;
 use cartilage_contact::reduced::{Progress, Range, ReducedModel, Tolerance};
 
 use super::case::CaseArguments;
@@ -11,10 +12,13 @@ use super::stribeck::progress;
 use super::{Failure, print};
 
 const ABOUT: &str = "\
-The real-time model is a table of solved states over penetration depth and sliding speed, at the slide-to-roll ratio of the case. It is \
-refined until it meets other states of the full model: load within 1 %, least film thickness and (away from first touch) friction \
-within 2 %, pressure profile within 3 %. What is reached is printed, and the FMU logs it. Set `fidelity` = reduced in the FMU to use \
-it; the other parameters have to be those of the case.";
+The real-time model is a table of solved steady states over penetration depth and sliding speed, or over load and sliding speed with --loads, at \
+the slide-to-roll ratio of the case. It is refined until it meets other states of the full model: load (with --loads the depth) within 1 %, least \
+film thickness and (away from first touch) friction within 2 %, pressure profile within 3 %. What is reached is printed, and the FMU logs it. Set \
+`fidelity` = reduced in the FMU to use it; the other parameters have to be those of the case.
+
+  cartilage-contact reduce --depths=-20e-6:60e-6 --speeds 0:0.5 --picture
+  cartilage-contact reduce --joint hip --loads 5e3:62e3 --speeds 0.003:0.06";
 
 /// Make the real-time model of a case, and FMUs that have it.
 #[derive(clap::Args)]
@@ -27,7 +31,11 @@ pub struct Arguments {
     #[arg(long, value_name = "LEAST:MOST", allow_hyphen_values = true, default_value = "-20e-6:60e-6")]
     depths: String,
 
-    /// Slowest and fastest sliding speed in either direction \[m/s\]; 0 for rest and reversals
+    /// Least and largest applied load \[N/m\]: the load is given then, and not the depth
+    #[arg(long, value_name = "LEAST:MOST", conflicts_with = "depths")]
+    loads: Option<String>,
+
+    /// Slowest and fastest sliding speed in either direction \[m/s\]; 0 for rest; below a slowest speed above 0 its state is held
     #[arg(long, value_name = "SLOWEST:FASTEST", default_value = "0:0.5")]
     speeds: String,
 
@@ -50,9 +58,20 @@ pub struct Arguments {
 
 /// Makes the table, says how good it is, and packs it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let case = arguments.case.load()?;
+    let mut case = arguments.case.load()?;
+    let pressed = match (&arguments.loads, case.parameters.control) {
+        (Some(loads), _) => pair("--loads", loads)?,
+        (None, Control::Depth) => pair("--depths", &arguments.depths)?,
+        (None, Control::Load) => {
+            let message = "control = load: give --loads, such as --loads 5e3:60e3, or --set control=depth";
+            return Err(Failure::Usage(message.into()));
+        }
+    };
+    if arguments.loads.is_some() {
+        case.parameters.control = Control::Load;
+    }
     let range = Range {
-        depths: pair("--depths", &arguments.depths)?,
+        pressed,
         speeds: pair("--speeds", &arguments.speeds)?,
         slide_to_roll_ratio: case.inputs.slide_to_roll_ratio,
     };

@@ -70,7 +70,7 @@ fn results(outputs: &Outputs) -> [f64; 3] {
 
 /// Solves every change, writes table and plot, prints the table.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let case = arguments.case.load()?;
+    let case = arguments.case.load_by_depth()?;
     let mut depths = numbers("--depths", Unit::Metre, &arguments.depths)?;
     depths.sort_by(f64::total_cmp);
     let change = arguments.change;

@@ -68,7 +68,7 @@ pub struct Arguments {
 
 /// Solves what the table does not hold yet, then draws.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let case = arguments.case.load()?;
+    let case = arguments.case.load_by_depth()?;
     let depths = numbers("--depths", Unit::Metre, &arguments.depths)?;
     let drawn = arguments.fields.as_deref().map_or(Ok(Vec::new()), |text| numbers("--fields", Unit::Metre, text))?;
     let speeds = match &arguments.speeds {

@@ -27,6 +27,8 @@ pub struct Table {
     inputs: Inputs,
     outputs: Outputs,
     derivatives: [Outputs; 3],
+    position: Vec<f64>,
+    warnings: Vec<String>,
 }
 
 /// What is needed to go on from a state.
@@ -51,13 +53,11 @@ impl Model {
         if parameters.time_integration != TimeIntegration::QuasiSteady {
             return Err(Error::value("time_integration", "transient", "quasi_steady where fidelity is reduced"));
         }
-        if parameters.control != Control::Depth {
-            return Err(Error::value("control", "load", "depth where fidelity is reduced"));
-        }
         let model = resources::reduced_model(resource_location, parameters)?;
         let (inputs, derivatives) = (Inputs::default(), std::array::from_fn(|_| Outputs::default()));
         let (drive, outputs) = (Drive::constant(inputs), Outputs::default());
-        let table = Table { parameters: *parameters, model, drive, duration: 0.0, inputs, outputs, derivatives };
+        let (parameters, position, warnings) = (*parameters, model.position(&inputs), Vec::new());
+        let table = Table { parameters, model, drive, duration: 0.0, inputs, outputs, derivatives, position, warnings };
         Ok(Self::Reduced(Box::new(table)))
     }
 
@@ -109,7 +109,10 @@ impl Model {
     pub fn derivative(&mut self, variable: &Variable, input: Input) -> Result<Option<f64>, Error> {
         match self {
             Self::Full(simulation) => Ok(variable.derivative(simulation.derivatives(input)?)),
-            Self::Reduced(table) => Ok(table.along(variable, table.drive.change(input, table.duration).0)),
+            Self::Reduced(table) => {
+                let (direction, load) = table.drive.change(input, table.duration);
+                Ok(table.along(variable, direction, load))
+            }
         }
     }
 
@@ -120,7 +123,10 @@ impl Model {
     pub fn rate(&mut self, variable: &Variable) -> Result<Option<f64>, Error> {
         match self {
             Self::Full(simulation) => Ok(variable.derivative(simulation.rates()?)),
-            Self::Reduced(table) => Ok(table.along(variable, table.drive.rates_at(table.duration))),
+            Self::Reduced(table) => {
+                let Drive { rates, .. } = table.drive;
+                Ok(table.along(variable, table.drive.rates_at(table.duration), rates.applied_load))
+            }
         }
     }
 
@@ -131,7 +137,10 @@ impl Model {
     pub fn contact_stiffness(&mut self) -> Result<f64, Error> {
         match self {
             Self::Full(simulation) => simulation.contact_stiffness(),
-            Self::Reduced(table) => Ok(table.derivatives[0].normal_force),
+            Self::Reduced(table) => Ok(match table.parameters.control {
+                Control::Depth => table.derivatives[0].normal_force,
+                Control::Load => table.parameters.width / table.derivatives[0].penetration_depth,
+            }),
         }
     }
 
@@ -144,7 +153,7 @@ impl Model {
                 inputs: &table.inputs,
                 outputs: &table.outputs,
                 contact_stiffness: 0.0,
-                position: table.model.position(),
+                position: &table.position,
             },
         }
     }
@@ -171,7 +180,7 @@ impl Model {
     pub fn warnings(&self) -> &[String] {
         match self {
             Self::Full(simulation) => simulation.warnings(),
-            Self::Reduced(_) => &[],
+            Self::Reduced(table) => &table.warnings,
         }
     }
 
@@ -208,14 +217,71 @@ impl Table {
     fn look_up(&mut self, drive: Drive, duration: f64) -> Result<(), Error> {
         let inputs = drive.at(duration);
         (self.outputs, self.derivatives) = self.model.evaluate(&inputs)?;
+        self.position = self.model.position(&inputs);
+        self.warnings = self.model.warning(&inputs).into_iter().collect();
         (self.inputs, self.drive, self.duration) = (inputs, drive, duration);
         Ok(())
     }
 
-    /// Derivative of a variable along a change of the inputs.
-    fn along(&self, variable: &Variable, direction: Direction) -> Option<f64> {
-        let changes = [direction.penetration_depth, direction.sliding_speed, direction.slide_to_roll_ratio];
+    /// Derivative of a variable along a change of the inputs and of the load.
+    fn along(&self, variable: &Variable, direction: Direction, load: f64) -> Option<f64> {
+        let pressing = match self.parameters.control {
+            Control::Depth => direction.penetration_depth,
+            Control::Load => load,
+        };
+        let changes = [pressing, direction.sliding_speed, direction.slide_to_roll_ratio];
         let slopes = self.derivatives.iter().zip(changes);
         slopes.map(|(derivatives, change)| Some(change * variable.derivative(derivatives)?)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{Mesh, Preset};
+    use crate::reduced::{Range, Tolerance};
+    use crate::variables::VARIABLES;
+
+    /// The smallest table under a load.
+    #[test]
+    fn a_table_under_a_load_has_its_derivatives_its_stiffness_and_its_warning() {
+        let base = Preset::HumanNormal.parameters();
+        let mesh = Mesh { columns: 24, rows: 3, ..base.mesh };
+        let full = Parameters { control: Control::Load, mesh, ..base };
+        let range = Range { pressed: [500.0, 600.0], speeds: [0.1, 0.12], slide_to_roll_ratio: 0.0 };
+        let any = 1.0;
+        let tolerance =
+            Tolerance { load: any, minimum_film_thickness: any, friction_coefficient: any, fluid_pressure: any };
+        let table = ReducedModel::build(&full, range, tolerance, 1, &|_| ()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(resources::REDUCED_MODEL), table.to_bytes().unwrap()).unwrap();
+        let resources = folder.path().to_str();
+        let parameters = Parameters { fidelity: Fidelity::Reduced, ..full };
+        assert!(Model::new(&Parameters { control: Control::Depth, ..parameters }, resources).is_err());
+        let mut model = Model::new(&parameters, resources).unwrap();
+        let at = |applied_load: f64| Inputs { applied_load, sliding_speed: 0.11, ..Inputs::NONE };
+        let variable = VARIABLES.iter().find(|row| row.name == "penetration_depth_result").unwrap();
+        let depth = |model: &mut Model, load: f64| {
+            model.solve_steady(at(load)).unwrap();
+            model.view().outputs.penetration_depth
+        };
+        let slope = (depth(&mut model, 551.0) - depth(&mut model, 549.0)) / 2.0;
+        // The load grows as the step goes on.
+        let rates = Inputs { applied_load: 100.0, ..Inputs { sliding_speed: 0.0, ..Inputs::NONE } };
+        model.advance(Drive { inputs: at(540.0), rates }, 0.1).unwrap();
+        let by_load = model.derivative(variable, Input::AppliedLoad).unwrap().unwrap();
+        assert!((by_load / slope - 1.0).abs() < 1e-3, "{by_load} {slope}");
+        assert_eq!(model.derivative(variable, Input::PenetrationDepth).unwrap(), Some(0.0));
+        assert!((model.rate(variable).unwrap().unwrap() / (100.0 * by_load) - 1.0).abs() < 1e-12);
+        assert!((model.contact_stiffness().unwrap() * by_load / full.width - 1.0).abs() < 1e-12);
+        assert!(model.warnings().is_empty());
+        let saved = model.save();
+        let before = model.view().outputs.clone();
+        model.solve_steady(Inputs { sliding_speed: -0.05, ..at(550.0) }).unwrap();
+        assert!(model.warnings()[0].contains("below 0.1 m/s"), "{:?}", model.warnings());
+        // What is beyond the loads is refused, and the state is kept.
+        assert!(model.solve_steady(at(601.0)).unwrap_err().to_string().contains("applied_load = 601"));
+        model.restore(&saved).unwrap();
+        assert!(model.view().outputs == &before && model.warnings().is_empty());
     }
 }

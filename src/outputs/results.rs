@@ -50,7 +50,7 @@ pub struct Interpolation {
     /// differences between states serve better as slopes.
     pub hops: bool,
     /// Whether it is kept from going below zero, where a cubic may carry it.
-    pub never_negative: bool,
+    pub floor: Floor,
 }
 
 /// The symmetry of a result under reversal of x and of the speeds. Stations of profiles are reversed, too.
@@ -64,9 +64,20 @@ pub enum Mirror {
     Place,
 }
 
+/// What is never negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Floor {
+    /// It may be.
+    None,
+    /// It is not.
+    Zero,
+    /// A distance of the surfaces: that of smooth ones is not; the mean planes of rough ones may overlap.
+    Distance,
+}
+
 impl Interpolation {
     const fn new(mirror: Mirror) -> Self {
-        Self { mirror, kinked: false, hops: false, never_negative: false }
+        Self { mirror, kinked: false, hops: false, floor: Floor::None }
     }
 
     const fn kinked(self) -> Self {
@@ -78,7 +89,11 @@ impl Interpolation {
     }
 
     const fn never_negative(self) -> Self {
-        Self { never_negative: true, ..self }
+        Self { floor: Floor::Zero, ..self }
+    }
+
+    const fn distance(self) -> Self {
+        Self { floor: Floor::Distance, ..self }
     }
 }
 
@@ -346,11 +361,11 @@ results! {
     483 lower_force_y: real(Unit::Newton, 1e3), derived, "Force on the lower bone along +y, towards the upper one, times width";
     484 lower_moment: real(Unit::NewtonMetre, 1.0), derived,
         "Counter-clockwise moment on the lower bone about the middle of the contact, times width";
-    14 minimum_film_thickness: real(Unit::Metre, 1e-6), interpolated(KEPT.hopping().never_negative()),
+    14 minimum_film_thickness: real(Unit::Metre, 1e-6), interpolated(KEPT.hopping().distance()),
         "Least distance of the deformed surfaces; 0 in contact";
     15 minimum_film_position: real(Unit::Metre, 1e-3), interpolated(PLACE.hopping()),
         "Where the film is thinnest, along x from the middle of the contact";
-    16 central_film_thickness: real(Unit::Metre, 1e-6), interpolated(KEPT.never_negative()),
+    16 central_film_thickness: real(Unit::Metre, 1e-6), interpolated(KEPT.distance()),
         "Distance of the deformed surfaces in the middle of the contact";
     /// b, equation 8.
     17 contact_length: real(Unit::Metre, 1e-3), interpolated(KEPT.hopping().never_negative()),
@@ -406,7 +421,7 @@ results! {
     532 stored_elastic_energy: real(Unit::Joule, 1e-2), absent, "Elastic energy of the tissue's solid part, times width";
 
     30 position: position(Unit::Metre, 1e-3), beside, "Place along x from the middle of the contact";
-    131 film_thickness: profile(Unit::Metre, 1e-6), interpolated(KEPT.never_negative()), "Film thickness";
+    131 film_thickness: profile(Unit::Metre, 1e-6), interpolated(KEPT.distance()), "Film thickness";
     232 fluid_pressure: profile(Unit::Pascal, 1e4), interpolated(KEPT), "Fluid pressure";
     333 contact_pressure: profile(Unit::Pascal, 1e4), interpolated(KEPT.never_negative()), "Pressure of solid on solid";
 }

@@ -1,4 +1,4 @@
-//! The curved coordinates of depth and speed, which follow first touch.
+//! The curved coordinates of depth and speed, which follow first touch. Where the load is given, its logarithm takes the place of the depth.
 
 use serde::{Deserialize, Serialize};
 
@@ -63,6 +63,9 @@ impl Chart {
     pub fn touch(&self, speed: f64) -> Option<[f64; 2]> {
         if self.touch.is_empty() {
             return None;
+        }
+        if self.rest.is_none() && speed < self.slowest() {
+            return Some([self.touch(self.slowest())?[0], 0.0]);
         }
         let near_rest = self.near_rest(speed);
         let cubic = Cubic::at(&self.log_speeds, near_rest.map_or(speed.ln(), |_| self.log_speeds[0]));

@@ -1,11 +1,12 @@
-//! The real-time model: a table of solved states over penetration depth and sliding speed at one slide-to-roll ratio, and cubic
-//! polynomials between them, with a measured error.
+//! The real-time model: a table of solved steady states over penetration depth, or applied load where that is given, and sliding speed at
+//! one slide-to-roll ratio, and cubic polynomials between them, with a measured error.
 //!
 //! A step takes microseconds instead of a tenth of a second. The table is refined until states of the full model between its
 //! own are met. `quantities.rs` says what is interpolated; how that goes along with first touch and the powers of speed is in
 //! `patch.rs`.
 //!
-//! Reversing the speed mirrors the contact, so only rest and positive speeds are solved.
+//! Loads are interpolated by their logarithm: where the load is given, the *depths* of grid and chart are that. Reversing the speed mirrors the
+//! contact, so only rest and positive speeds are solved.
 
 mod chart;
 mod curves;
@@ -17,22 +18,24 @@ use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use crate::equations::grid::half_width;
+use crate::equations::grid::{contact_half_width, half_width, moves};
 use crate::error::Error;
 use crate::laws::contact::mobilised_friction;
+use crate::laws::roughness::MIXED_FILM;
 use crate::outputs::{Derived, Direct, Outputs, RESULTS, STATIONS, profile_stations};
-use crate::parameters::{Inputs, PARAMETERS, Parameters};
+use crate::parameters::{Control, Inputs, PARAMETERS, Parameters};
 use chart::{Chart, Side};
 pub use making::{Progress, Tolerance};
-use patch::{Grid, Patch, positive};
-use quantities::{LOWER_FRICTION, SCALARS, State, UPPER_FRICTION, mirrored};
+use patch::{Grid, Manner, Patch, positive};
+use quantities::{LOWER_FRICTION, PENETRATION_DEPTH, SCALARS, State, UPPER_FRICTION, mirrored};
 
 /// The inputs that a table covers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Range {
-    /// Least and largest penetration depth \[m\].
-    pub depths: [f64; 2],
-    /// Slowest and fastest speed in either direction \[m/s\]; with 0 the table goes down to rest and covers reversals.
+    /// Least and largest penetration depth \[m\]; under [`Control::Load`] least and largest load \[N/m\].
+    pub pressed: [f64; 2],
+    /// Slowest and fastest speed in either direction \[m/s\]. With 0 the table goes down to rest; else the state of the slowest speed is held below
+    /// it.
     pub speeds: [f64; 2],
     /// The one slide-to-roll ratio \[1\].
     pub slide_to_roll_ratio: f64,
@@ -40,15 +43,32 @@ pub struct Range {
 
 impl Default for Range {
     fn default() -> Self {
-        Self { depths: [-20e-6, 60e-6], speeds: [0.0, 0.5], slide_to_roll_ratio: 0.0 }
+        Self { pressed: [-20e-6, 60e-6], speeds: [0.0, 0.5], slide_to_roll_ratio: 0.0 }
+    }
+}
+
+/// The input that says how far or how hard the bodies are pressed together: its name, its unit and its value.
+fn pressed(control: Control, inputs: &Inputs) -> (&'static str, &'static str, f64) {
+    match control {
+        Control::Depth => ("penetration_depth", "m", inputs.penetration_depth),
+        Control::Load => ("applied_load", "N/m", inputs.applied_load),
+    }
+}
+
+/// What is interpolated by, from how far or how hard the bodies are pressed together.
+fn coordinate(control: Control, pressed: f64) -> f64 {
+    match control {
+        Control::Depth => pressed,
+        Control::Load => pressed.ln(),
     }
 }
 
 impl Range {
     /// Refuses inputs that it does not cover.
-    fn check(&self, inputs: &Inputs) -> Result<(), Error> {
-        let [least, most] = self.depths;
-        let ([slowest, fastest], ratio) = (self.speeds, self.slide_to_roll_ratio);
+    fn check(&self, control: Control, inputs: &Inputs) -> Result<(), Error> {
+        let [least, most] = self.pressed;
+        let ([_, fastest], ratio) = (self.speeds, self.slide_to_roll_ratio);
+        let (name, unit, value) = pressed(control, inputs);
         let refuse = |name, value: f64, allowed| {
             Err(Error::value(
                 name,
@@ -56,16 +76,11 @@ impl Range {
                 format!("{allowed}, which the reduced model covers; fidelity = full has more"),
             ))
         };
-        if !(least..=most).contains(&inputs.penetration_depth) {
-            let allowed = format!("a number from {least:e} to {most:e} m");
-            return refuse("penetration_depth", inputs.penetration_depth, allowed);
+        if !(least..=most).contains(&value) {
+            return refuse(name, value, format!("a number from {least:e} to {most:e} {unit}"));
         }
         if !(-fastest..=fastest).contains(&inputs.sliding_speed) {
             let allowed = format!("a number from {} to {fastest} m/s", -fastest);
-            return refuse("sliding_speed", inputs.sliding_speed, allowed);
-        }
-        if inputs.sliding_speed.abs() < slowest {
-            let allowed = format!("{slowest} m/s or more either way");
             return refuse("sliding_speed", inputs.sliding_speed, allowed);
         }
         if inputs.slide_to_roll_ratio != ratio {
@@ -78,8 +93,8 @@ impl Range {
 /// The errors at one state that a finished table was compared with, relative; see [`Accuracy`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Check {
-    /// Penetration depth \[m\].
-    pub penetration_depth: f64,
+    /// Penetration depth \[m\], or load \[N/m\].
+    pub pressed: f64,
     /// Sliding speed \[m/s\].
     pub sliding_speed: f64,
     /// Whether it is near first touch.
@@ -101,11 +116,13 @@ pub struct Deviation {
     pub root_mean_square: f64,
 }
 
-/// How far the table is from the full model, measured at states that it was not made from.
+/// How far the table is from the full model, measured at states that it was not made from. Where the load is given, what is said of the load is said of
+/// the depth.
 ///
-/// The error of a profile is its root mean square over the stations. *Near first touch* is within 1/40 of the range of depths. A
+/// The error of a profile is its root mean square over the stations. *Near first touch* of smooth surfaces is within 1/40 of the range of depths. A
 /// film is measured against that in the middle of the contact at first touch where it is thinner; at speeds between rest and
-/// [`ReducedModel::slowest_line`], against that at the latter's first touch.
+/// [`ReducedModel::slowest_line`], against that at the latter's first touch; and between rough surfaces against a tenth of their roughness. Their
+/// rolling friction changes its sign: a friction coefficient below 1e-3 is measured against that.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Accuracy {
     /// How many states were compared.
@@ -139,6 +156,8 @@ struct Content {
     range: Range,
     accuracy: Accuracy,
     checks: Vec<Check>,
+    /// How many of the states are not resolved by their mesh.
+    unresolved: usize,
     chart: Chart,
     grids: Vec<Grid>,
 }
@@ -148,10 +167,9 @@ struct Content {
 pub struct ReducedModel {
     content: Content,
     patches: Vec<Patch>,
-    position: Vec<f64>,
 }
 
-const MAGIC: &[u8] = b"CartilageLineContact reduced model 1 ";
+const MAGIC: &[u8] = b"CartilageLineContact reduced model 2 ";
 const CHECK_SUM_LENGTH: usize = 16;
 
 /// Of the bytes, and of what this version takes them for: names of parameters and results are not among them.
@@ -164,10 +182,11 @@ fn check_sum(payload: &[u8]) -> Uuid {
 
 impl ReducedModel {
     fn new(content: Content) -> Self {
-        let logarithmic = positive(&content.grids);
-        let patches = content.grids.iter().map(|grid| Patch::new(grid, &content.chart, logarithmic)).collect();
-        let position = profile_stations(half_width(&content.parameters, 0.0));
-        Self { content, patches, position }
+        let p = &content.parameters;
+        let manner =
+            Manner { logarithmic: positive(&content.grids), stations_move: moves(p), rough: p.surface_roughness > 0.0 };
+        let patches = content.grids.iter().map(|grid| Patch::new(grid, &content.chart, manner)).collect();
+        Self { content, patches }
     }
 
     /// The case that it was made from.
@@ -213,26 +232,45 @@ impl ReducedModel {
         self.content.grids.iter().map(|grid| grid.stations.len() * lines).sum()
     }
 
-    /// The fixed stations of the profiles \[m\], ascending.
-    pub fn position(&self) -> &[f64] {
-        &self.position
+    /// The stations of the profiles at these inputs \[m\], ascending: they go with a mesh that goes with the contact.
+    pub fn position(&self, inputs: &Inputs) -> Vec<f64> {
+        let p = &self.content.parameters;
+        profile_stations(half_width(p, contact_half_width(p, inputs, p.control)))
     }
 
-    /// Penetration depth at which the solids first touch at a speed \[m\]; `None` where that is not in the table.
+    /// Penetration depth \[m\] or load \[N/m\] at which smooth surfaces first touch at a speed; `None` where that is not in the table.
     pub fn first_touch(&self, sliding_speed: f64) -> Option<f64> {
-        Some(self.content.chart.touch(sliding_speed.abs())?[0])
+        let [touch, _] = self.content.chart.touch(sliding_speed.abs())?;
+        Some(match self.parameters().control {
+            Control::Depth => touch,
+            Control::Load => touch.exp(),
+        })
     }
 
-    /// Outputs, and their derivatives with respect to penetration depth, sliding speed and slide-to-roll ratio.
+    /// What is doubtful about the outputs at these inputs, if anything is.
+    pub fn warning(&self, inputs: &Inputs) -> Option<String> {
+        let slowest = self.content.range.speeds[0];
+        (inputs.sliding_speed.abs() < slowest).then(|| {
+            format!(
+                "the reduced model has no speeds below {slowest} m/s: the state at that speed is held, and what turns round with the motion goes \
+                 through zero"
+            )
+        })
+    }
+
+    /// Outputs, and their derivatives with respect to penetration depth (where the load is given, with respect to that), sliding speed and
+    /// slide-to-roll ratio.
     ///
-    /// Those by depth and speed are exactly the derivatives of the outputs returned here. The one by the ratio, which is fixed, is
+    /// Those by the first two are exactly the derivatives of the outputs returned here. The one by the ratio, which is fixed, is
     /// that of the full model, interpolated linearly.
     ///
     /// # Errors
     /// [`Error::Value`] where the table does not cover the inputs, with what it covers.
     pub fn evaluate(&self, inputs: &Inputs) -> Result<(Outputs, [Outputs; 3]), Error> {
-        self.content.range.check(inputs)?;
-        let (mut state, side) = self.state(inputs.penetration_depth, inputs.sliding_speed.abs())?;
+        let control = self.parameters().control;
+        self.content.range.check(control, inputs)?;
+        let depth = coordinate(control, pressed(control, inputs).2);
+        let (mut state, side) = self.state(depth, inputs.sliding_speed.abs())?;
         if inputs.sliding_speed < 0.0 {
             state = state.map(|values| mirrored(&values));
             state[2] = state[2].map(|by_speed| -by_speed);
@@ -261,10 +299,12 @@ impl ReducedModel {
     /// Outputs with their derivative with respect to one input.
     fn along(&self, inputs: &Inputs, state: &State, side: Side, input: usize, boundary: [f64; 4]) -> Outputs<Dual64> {
         let p = &self.content.parameters;
-        let dual = |q: usize| Dual64::new(state[0][q], state[1 + input][q]);
+        // From the slope by the logarithm of the load.
+        let scale = if input == 0 && p.control == Control::Load { 1.0 / inputs.applied_load } else { 1.0 };
+        let dual = |q: usize| Dual64::new(state[0][q], scale * state[1 + input][q]);
         let along = |value: f64, index: usize| Dual64::new(value, if input == index { 1.0 } else { 0.0 });
         let (mut number, mut profile) = (0, SCALARS);
-        let direct = Direct::interpolated(
+        let mut direct = Direct::interpolated(
             || {
                 number += 1;
                 dual(number - 1)
@@ -274,10 +314,21 @@ impl ReducedModel {
                 (profile - STATIONS..profile).map(dual).collect()
             },
         );
+        let depth = match p.control {
+            Control::Depth => along(inputs.penetration_depth, 0),
+            Control::Load => {
+                // What is given is kept.
+                direct.fluid_load = along(inputs.applied_load, 0) - direct.solid_load;
+                dual(PENETRATION_DEPTH)
+            }
+        };
         let solid_friction = direct.solid_load * Dual64::new(boundary[0], boundary[1 + input]);
         let fluid_friction = [dual(UPPER_FRICTION), dual(LOWER_FRICTION)];
-        let speed_and_depth = [along(inputs.sliding_speed, 1), along(inputs.penetration_depth, 0)];
-        let touching = side == Side::Contact;
+        let speed_and_depth = [along(inputs.sliding_speed, 1), depth];
+        let touching = match p.surface_roughness {
+            0.0 => side == Side::Contact,
+            rms => direct.minimum_film_thickness.re < MIXED_FILM * rms,
+        };
         let derived = Derived::new(p, speed_and_depth, &direct, touching, fluid_friction, solid_friction);
         Outputs::new(direct, derived)
     }
@@ -318,15 +369,18 @@ impl ReducedModel {
 /// What it covers and its measured error, in a line.
 impl std::fmt::Display for ReducedModel {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (Content { range, accuracy, .. }, percent) = (&self.content, |d: Deviation| 100.0 * d.largest);
+        let (Content { range, accuracy, unresolved, .. }, percent) = (&self.content, |d: Deviation| 100.0 * d.largest);
+        let control = self.parameters().control;
+        let (name, unit, _) = pressed(control, &Inputs::NONE);
+        let follows = if control == Control::Load { "penetration depth" } else { "load" };
         write!(
             f,
-            "reduced model of {} states: penetration_depth {:e} to {:e} m, sliding_speed {} to {} m/s either way, \
-             slide_to_roll_ratio {}; largest errors at {} other states: load {:.2} %, minimum film \
+            "reduced model of {} states: {name} {:e} to {:e} {unit}, sliding_speed {} to {} m/s either way, \
+             slide_to_roll_ratio {}; largest errors at {} other states: {follows} {:.2} %, minimum film \
              thickness {:.2} %, friction coefficient {:.2} %, {:.0} % near first touch; pressure profile {:.1} % of its maximum",
             self.states(),
-            range.depths[0],
-            range.depths[1],
+            range.pressed[0],
+            range.pressed[1],
             range.speeds[0],
             range.speeds[1],
             range.slide_to_roll_ratio,
@@ -337,6 +391,9 @@ impl std::fmt::Display for ReducedModel {
             percent(accuracy.friction_coefficient_near_touch),
             percent(accuracy.fluid_pressure),
         )?;
+        if *unresolved > 0 {
+            write!(f, "; {unresolved} of its states carry a warning that mesh or sector do not resolve them")?;
+        }
         if range.speeds[0] > 0.0 {
             return Ok(());
         }
@@ -369,7 +426,7 @@ mod tests {
     /// The smallest table there is.
     static PAYLOAD: LazyLock<Vec<u8>> = LazyLock::new(|| {
         let mesh = Mesh { columns: 12, rows: 1, ..Parameters::default().mesh };
-        let range = Range { depths: [-9e-6, -8e-6], speeds: [0.1, 0.2], slide_to_roll_ratio: 0.0 };
+        let range = Range { pressed: [-9e-6, -8e-6], speeds: [0.1, 0.2], slide_to_roll_ratio: 0.0 };
         let parameters = Parameters { mesh, ..Parameters::default() };
         let model = ReducedModel::build(&parameters, range, Tolerance::default(), 1, &|_| ()).unwrap();
         model.to_bytes().unwrap()[MAGIC.len() + CHECK_SUM_LENGTH..].to_vec()

@@ -20,12 +20,15 @@
 //!
 //! in which q_0 is the state at rest, and a and b follow from value and slope at U_s; first touch is even. Extrema of fields that
 //! vanish at rest have a kink there, q = q_0 + a |w| + b w^2.
+//!
+//! A table that does not go down to rest holds the state of its slowest line below it: what is even stays, what is odd goes with w.
 
 use serde::{Deserialize, Serialize};
 
 use super::chart::{Chart, Side};
 use super::curves::{Cubic, even, kinked, odd, slope};
 use super::quantities::{INTERPOLATION, QUANTITIES, SCALARS, State, mirrored};
+use crate::outputs::{Floor, Interpolation};
 
 /// The states of one side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -65,13 +68,43 @@ pub fn positive(grids: &[Grid]) -> [bool; SCALARS] {
     std::array::from_fn(|q| states.clone().all(|state| state[q].is_normal() && state[q] > 0.0))
 }
 
+/// How the states of a case are interpolated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Manner {
+    /// The scalars that are interpolated as logarithms.
+    pub logarithmic: [bool; SCALARS],
+    /// Whether the stations of profiles go with the contact: the full model's slopes are those at a fixed place, and differences serve.
+    pub stations_move: bool,
+    /// Whether the surfaces are rough, so that their mean planes may overlap.
+    pub rough: bool,
+}
+
+impl Manner {
+    /// Whether differences between states serve as slopes.
+    fn hops(&self, quantity: usize) -> bool {
+        let Interpolation { hops, floor, .. } = INTERPOLATION[quantity];
+        // The least distance of rough surfaces changes smoothly.
+        let smooth = self.rough && floor == Floor::Distance;
+        (hops && !smooth) || (self.stations_move && quantity >= SCALARS)
+    }
+
+    /// Whether it is never negative.
+    fn has_floor(&self, quantity: usize) -> bool {
+        match INTERPOLATION[quantity].floor {
+            Floor::None => false,
+            Floor::Zero => true,
+            Floor::Distance => !self.rough,
+        }
+    }
+}
+
 /// One side, ready to be evaluated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
     /// Which side.
     pub side: Side,
     stations: Vec<f64>,
-    logarithmic: [bool; SCALARS],
+    manner: Manner,
     /// A state's block: quantities, and their derivatives with respect to s, to ln U and to both; of logarithms where that is what is
     /// interpolated.
     nodes: Vec<f32>,
@@ -85,8 +118,8 @@ pub struct Patch {
 type Local = [[f64; QUANTITIES]; 5];
 
 impl Patch {
-    /// From the states of a grid, which fits the chart; with which scalars are interpolated as logarithms.
-    pub fn new(grid: &Grid, chart: &Chart, logarithmic: [bool; SCALARS]) -> Self {
+    /// From the states of a grid, which fits the chart.
+    pub fn new(grid: &Grid, chart: &Chart, manner: Manner) -> Self {
         let columns = grid.stations.len();
         let mut nodes = vec![0.0; grid.states.len()];
         for (index, (node, state)) in nodes.chunks_exact_mut(BLOCK).zip(grid.states.chunks_exact(BLOCK)).enumerate() {
@@ -95,7 +128,7 @@ impl Patch {
             let depth = chart.depth(grid.side, grid.stations[index % columns], speed);
             for q in 0..QUANTITIES {
                 let [value, by_depth, by_speed] = [0, 1, 2].map(|k| f64::from(state[k * QUANTITIES + q]));
-                let logarithmic = q < SCALARS && logarithmic[q];
+                let logarithmic = q < SCALARS && manner.logarithmic[q];
                 let scale = if logarithmic { 1.0 / value } else { 1.0 };
                 node[q] = if logarithmic { value.ln() } else { value } as f32;
                 node[QUANTITIES + q] = (scale * by_depth * depth.by_station) as f32;
@@ -105,12 +138,12 @@ impl Patch {
         let at = |nodes: &[f32], line: usize, column: usize, k: usize, q: usize| {
             f64::from(nodes[(line * columns + column) * BLOCK + k * QUANTITIES + q])
         };
-        let rest = Self::at_rest(grid, chart);
+        let rest = Self::at_rest(grid, chart, manner);
         for q in 0..QUANTITIES {
-            let has_rest = chart.rest.is_some() && !(q < SCALARS && logarithmic[q]);
+            let has_rest = chart.rest.is_some() && !(q < SCALARS && manner.logarithmic[q]);
             for index in 0..nodes.len() / BLOCK {
                 let (line, column) = (index / columns, index % columns);
-                let hops = INTERPOLATION[q].hops;
+                let hops = manner.hops(q);
                 if hops {
                     let by_station = slope(&grid.stations, |k| at(&nodes, line, k, 0, q), column);
                     nodes[index * BLOCK + QUANTITIES + q] = by_station as f32;
@@ -133,11 +166,11 @@ impl Patch {
             }
         }
         let by_ratio = grid.states.chunks_exact(BLOCK).flat_map(|s| s[3 * QUANTITIES..].iter().copied()).collect();
-        Self { side: grid.side, stations: grid.stations.clone(), logarithmic, nodes, by_ratio, rest }
+        Self { side: grid.side, stations: grid.stations.clone(), manner, nodes, by_ratio, rest }
     }
 
     /// The nodes at rest. A state at rest is its own mirror image.
-    fn at_rest(grid: &Grid, chart: &Chart) -> Vec<f32> {
+    fn at_rest(grid: &Grid, chart: &Chart, manner: Manner) -> Vec<f32> {
         let by_station = chart.depth(grid.side, 0.0, 0.0).by_station;
         let mut nodes = Vec::with_capacity(3 * grid.rest.len() / 4);
         for state in grid.rest.chunks_exact(BLOCK) {
@@ -150,7 +183,7 @@ impl Patch {
         }
         let at = |nodes: &[f32], column: usize, q: usize| f64::from(nodes[column * 3 * QUANTITIES + q]);
         for column in 0..grid.rest.len() / BLOCK {
-            for q in (0..QUANTITIES).filter(|q| INTERPOLATION[*q].hops) {
+            for q in (0..QUANTITIES).filter(|q| manner.hops(*q)) {
                 nodes[(column * 3 + 1) * QUANTITIES + q] = slope(&grid.stations, |k| at(&nodes, k, q), column) as f32;
             }
         }
@@ -159,9 +192,11 @@ impl Patch {
 
     /// The state at a station and a speed of 0 or more.
     pub fn state(&self, chart: &Chart, station: f64, speed: f64) -> State {
+        let slowest = chart.slowest();
         let [mut values, by_station, mut by_speed, mut by_ratio] = match chart.near_rest(speed) {
-            Some((w, _)) => {
-                self.near_rest(station, self.between(chart, station, chart.log_speeds[0]), w, chart.slowest())
+            Some((w, _)) => self.near_rest(station, self.between(chart, station, chart.log_speeds[0]), w, slowest),
+            None if speed < slowest => {
+                held(self.between(chart, station, chart.log_speeds[0]), speed / slowest, slowest)
             }
             None => {
                 let [values, by_station, by_log_speed, _, by_ratio] = self.between(chart, station, speed.ln());
@@ -172,7 +207,7 @@ impl Patch {
         let mut by_depth = by_station.map(|slope| slope / depth.by_station);
         for q in 0..QUANTITIES {
             by_speed[q] -= by_depth[q] * depth.by_speed;
-            if INTERPOLATION[q].never_negative && values[q] < 0.0 {
+            if self.manner.has_floor(q) && values[q] < 0.0 {
                 [values[q], by_depth[q], by_speed[q], by_ratio[q]] = [0.0; 4];
             }
         }
@@ -201,7 +236,7 @@ impl Patch {
             let values = &self.by_ratio[index * QUANTITIES..(index + 1) * QUANTITIES];
             local[4].iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * f64::from(*value));
         }
-        for q in (0..SCALARS).filter(|q| self.logarithmic[*q]) {
+        for q in (0..SCALARS).filter(|q| self.manner.logarithmic[*q]) {
             let [value, by_station, by_log_speed, by_both, _] = local.map(|kind| kind[q]);
             let value = value.exp();
             local[0][q] = value;
@@ -246,4 +281,16 @@ impl Patch {
         }
         state
     }
+}
+
+/// Below the slowest line of a table without rest: what is even as on that line, what is odd in proportion to w.
+fn held(line: Local, w: f64, slowest: f64) -> State {
+    let [values, by_station, _, _, by_ratio] = line;
+    let blend = |values: [f64; QUANTITIES]| {
+        let mirror = mirrored(&values);
+        std::array::from_fn(|q| 0.5 * (values[q] + mirror[q]) + 0.5 * w * (values[q] - mirror[q]))
+    };
+    let mirror = mirrored(&values);
+    let by_speed = std::array::from_fn(|q| 0.5 * (values[q] - mirror[q]) / slowest);
+    [blend(values), blend(by_station), by_speed, blend(by_ratio)]
 }

@@ -1,6 +1,6 @@
 //! What is interpolated of a state: the results of which the table of results says so, and the fluid's friction.
 
-use crate::outputs::{Get, Interpolation, Mirror, Outputs, RESULTS, RealTime, ResultRow, STATIONS};
+use crate::outputs::{Floor, Get, Interpolation, Mirror, Outputs, RESULTS, RealTime, ResultRow, STATIONS};
 
 /// How a result is interpolated, if it is and if it is a number, or a profile.
 const fn interpolated(row: &ResultRow, is_profile: bool) -> Option<Interpolation> {
@@ -25,8 +25,10 @@ const fn count(results: usize, is_profile: bool) -> usize {
 pub const UPPER_FRICTION: usize = count(RESULTS.len(), false);
 /// The fluid's friction on the lower body, per unit depth.
 pub const LOWER_FRICTION: usize = UPPER_FRICTION + 1;
+/// The depth, which follows where the load is given.
+pub const PENETRATION_DEPTH: usize = LOWER_FRICTION + 1;
 /// Number of interpolated scalars.
-pub const SCALARS: usize = LOWER_FRICTION + 1;
+pub const SCALARS: usize = PENETRATION_DEPTH + 1;
 /// Number of interpolated quantities: scalars, and the stations of profiles.
 pub const QUANTITIES: usize = SCALARS + STATIONS * count(RESULTS.len(), true);
 
@@ -57,7 +59,8 @@ const CONTACT_LENGTH: usize = place("contact_length");
 /// How each quantity is interpolated.
 pub static INTERPOLATION: [Interpolation; QUANTITIES] = {
     let mut all =
-        [Interpolation { mirror: Mirror::Negated, kinked: false, hops: false, never_negative: false }; QUANTITIES];
+        [Interpolation { mirror: Mirror::Negated, kinked: false, hops: false, floor: Floor::None }; QUANTITIES];
+    all[PENETRATION_DEPTH].mirror = Mirror::Kept;
     let mut i = 0;
     while i < RESULTS.len() {
         if let Some(how) = interpolated(&RESULTS[i], false) {
@@ -85,6 +88,7 @@ pub fn quantities(outputs: &Outputs, boundary_friction: f64, width: f64) -> [f64
     let (scalars, profiles) = all.split_at_mut(SCALARS);
     scalars[UPPER_FRICTION] = outputs.upper_friction_force / width - boundary_friction;
     scalars[LOWER_FRICTION] = outputs.lower_friction_force / width - boundary_friction;
+    scalars[PENETRATION_DEPTH] = outputs.penetration_depth;
     let (mut scalars, mut profiles) = (scalars.iter_mut(), profiles.iter_mut());
     for row in RESULTS.iter().filter(|row| matches!(row.real_time, RealTime::Interpolated(_))) {
         match row.get {
@@ -138,8 +142,8 @@ mod tests {
     fn what_is_interpolated_comes_back_to_its_place() {
         let found = quantities(&counted(), 0.0, 1.0);
         for (q, value) in found.into_iter().enumerate() {
-            let friction = [UPPER_FRICTION, LOWER_FRICTION].contains(&q);
-            assert_eq!(value, if friction { 0.0 } else { q as f64 });
+            let beside = [UPPER_FRICTION, LOWER_FRICTION, PENETRATION_DEPTH].contains(&q);
+            assert_eq!(value, if beside { 0.0 } else { q as f64 });
         }
         assert_eq!(found[MINIMUM_FILM], counted().minimum_film_thickness);
         assert_eq!(found[CONTACT_LENGTH], counted().contact_length);

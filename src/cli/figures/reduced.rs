@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use cartilage_contact::error::Error;
+use cartilage_contact::parameters::Control;
 use cartilage_contact::reduced::{Check, ReducedModel, Tolerance};
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -30,14 +31,16 @@ fn draw(canvas: &dyn Canvas, model: &ReducedModel, tolerance: &Tolerance) -> Res
     let title = Lettering { bold: true, ..Lettering::plain(28.0, HPos::Left, VPos::Top) };
     canvas.text("Errors of the real-time model", (40.0, 20.0), &title)?;
     let subtitle = Lettering { colour: palette::GREY, ..Lettering::plain(22.0, HPos::Left, VPos::Top) };
+    let near = if model.checks().iter().any(|check| check.near_touch) { "; orange: near first touch" } else { "" };
     let text = format!(
-        "at {} states of the full model that the table was not made from; orange: near first touch; dotted: the error that is asked for, \
-         and the slowest speed of the table",
+        "at {} states of the full model that the table was not made from{near}; dotted: the error that is asked for, and the slowest speed of \
+         the table",
         model.checks().len()
     );
+    let follows = if model.parameters().control == Control::Load { "Penetration depth" } else { "Load" };
     canvas.text(&text, (40.0, 58.0), &subtitle)?;
     let results: [Quantity; 3] = [
-        ("Load", |check| check.load, tolerance.load),
+        (follows, |check| check.load, tolerance.load),
         ("Least film thickness", |check| check.minimum_film_thickness, tolerance.minimum_film_thickness),
         ("Friction coefficient", |check| check.friction_coefficient, tolerance.friction_coefficient),
     ];
@@ -102,27 +105,29 @@ fn map(canvas: &dyn Canvas, frame: Frame, model: &ReducedModel, (_, error, allow
     let range = model.range();
     let slowest = if range.speeds[0] > 0.0 { range.speeds[0] } else { 1e-2 * model.slowest_line() };
     let (first, last) = (slowest.ln(), range.speeds[1].ln());
+    let scale = if model.parameters().control == Control::Load { 1e-3 } else { 1e6 };
+    let ends = range.pressed.map(|end| scale * end);
     let curve = (0..=CURVE).filter_map(|i| {
         let speed = (first + (last - first) * f64::from(i) / f64::from(CURVE)).exp();
-        Some((speed, 1e6 * model.first_touch(speed)?))
+        Some((speed, scale * model.first_touch(speed)?))
     });
+    let label = if model.parameters().surface_roughness > 0.0 { "film = roughness" } else { "first touch" };
+    let line = Line { label: label.into(), points: curve.collect(), colour: palette::GREY, dashed: false };
     let panel = Panel {
         title: format!("Large dots: {} % or more", 100.0 * allowed),
         x: Axis::logarithmic("Sliding speed [m/s]", (slowest, range.speeds[1])),
-        y: Axis::linear("Penetration depth [\u{b5}m]", (1e6 * range.depths[0], 1e6 * range.depths[1])),
+        y: match model.parameters().control {
+            Control::Depth => Axis::linear("Penetration depth [\u{b5}m]", (ends[0], ends[1])),
+            Control::Load => Axis::logarithmic("Load [kN/m]", (ends[0], ends[1])),
+        },
         label_x: true,
         bands: Vec::new(),
         marks: vec![(model.slowest_line(), palette::GREY)],
-        lines: vec![Line {
-            label: "first touch".into(),
-            points: curve.collect(),
-            colour: palette::GREY,
-            dashed: false,
-        }],
+        lines: Some(line).filter(|line| !line.points.is_empty()).into_iter().collect(),
     };
     panel::draw(canvas, frame, &panel)?;
     for check in model.checks() {
-        let Some(at) = panel.place(frame, check.sliding_speed.max(slowest), 1e6 * check.penetration_depth) else {
+        let Some(at) = panel.place(frame, check.sliding_speed.max(slowest), scale * check.pressed) else {
             continue;
         };
         let ratio = error(check) / allowed;

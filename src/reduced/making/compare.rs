@@ -2,12 +2,14 @@
 
 use super::super::chart::Side;
 use super::super::quantities::CENTRAL_FILM;
-use super::super::{Accuracy, Check, Deviation, ReducedModel};
+use super::super::{Accuracy, Check, Deviation, ReducedModel, pressed};
 use super::{Builder, Sample, Tolerance};
 use crate::error::Error;
 use crate::outputs::Outputs;
-use crate::parameters::Inputs;
+use crate::parameters::{Control, Inputs};
 
+/// Friction coefficients between rough surfaces below this are measured against it.
+const SMALL_FRICTION: f64 = 1e-3;
 /// Within this fraction of the range of depths friction is near first touch.
 const NEAR_TOUCH: f64 = 1.0 / 40.0;
 
@@ -19,20 +21,26 @@ impl Builder<'_> {
         // Halfway states may lie beyond the range that is asked for, and first touch is where the table says.
         let chart = &model.content.chart;
         let speed = inputs.sliding_speed;
-        let (state, side) = model.state(inputs.penetration_depth, speed)?;
+        let (state, side) = model.state(sample.depth, speed)?;
         let (table, table_slopes) = model.outputs(inputs, &state, side);
         let moving = speed.max(chart.slowest());
+        let rms = self.parameters.surface_roughness;
         let thin_film = match chart.touch(moving) {
-            Some([depth, _]) => model.state(depth, moving)?.0[0][CENTRAL_FILM],
-            None => 0.0,
+            Some([depth, _]) if rms == 0.0 => model.state(depth, moving)?.0[0][CENTRAL_FILM],
+            _ => 0.1 * rms,
         };
-        let near = NEAR_TOUCH * (self.range.depths[1] - self.range.depths[0]);
+        let near = NEAR_TOUCH * (self.asked[1] - self.asked[0]);
         Ok(Comparison {
             inputs: *inputs,
-            near_touch: chart.touch(speed).is_some_and(|[depth, _]| (inputs.penetration_depth - depth).abs() < near),
+            near_touch: rms == 0.0 && chart.touch(speed).is_some_and(|[depth, _]| (sample.depth - depth).abs() < near),
             near_rest: speed < chart.slowest(),
             thin_film,
-            stiffness: [full_slopes[0].load, table_slopes[0].load],
+            small_friction: if rms > 0.0 { SMALL_FRICTION } else { 0.0 },
+            control: self.parameters.control,
+            stiffness: match self.parameters.control {
+                Control::Depth => [full_slopes[0].load, table_slopes[0].load],
+                Control::Load => [&full_slopes, &table_slopes].map(|slopes| 1.0 / slopes[0].penetration_depth),
+            },
             full,
             table,
         })
@@ -49,8 +57,11 @@ pub(super) struct Comparison {
     near_touch: bool,
     /// Whether it is slower than the slowest line.
     near_rest: bool,
-    /// Film in the middle of the contact at first touch at this speed.
+    /// Film in the middle of the contact at first touch at this speed; a tenth of the roughness of rough surfaces.
     thin_film: f64,
+    /// What friction coefficients below it are measured against.
+    small_friction: f64,
+    control: Control,
 }
 
 impl Comparison {
@@ -59,8 +70,12 @@ impl Comparison {
         deviation([of(&self.full), of(&self.table)], scale)
     }
 
+    /// Of the load, or of the depth where that follows.
     fn load(&self) -> f64 {
-        self.relative(|o| o.load, 0.0)
+        match self.control {
+            Control::Depth => self.relative(|o| o.load, 0.0),
+            Control::Load => self.relative(|o| o.penetration_depth, 0.0),
+        }
     }
 
     fn film(&self) -> f64 {
@@ -68,7 +83,7 @@ impl Comparison {
     }
 
     fn friction(&self) -> f64 {
-        self.relative(|o| o.friction_coefficient, 0.0)
+        self.relative(|o| o.friction_coefficient, self.small_friction)
     }
 
     /// The largest error as a multiple of what is allowed.
@@ -88,7 +103,7 @@ impl Comparison {
     /// What is kept of it.
     pub(super) fn check(&self) -> Check {
         Check {
-            penetration_depth: self.inputs.penetration_depth,
+            pressed: pressed(self.control, &self.inputs).2,
             sliding_speed: self.inputs.sliding_speed,
             near_touch: self.near_touch,
             load: self.load(),

@@ -18,18 +18,21 @@ const FIRST_STATIONS: [(Side, [f64; 5]); 2] =
 impl Builder<'_> {
     /// Finds first touch on the first lines, and which depths and sides the table has.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
-        let [least, most] = self.range.depths;
+        let [least, most] = self.asked;
         let margin = TOUCH_MARGIN * (most - least);
         let lines = self.lines();
         self.find_touches(&lines, least)?;
         let depths: Vec<Option<f64>> = lines.iter().map(|u| self.touch(*u)).collect();
         let film_everywhere = depths.iter().all(|depth| depth.is_none_or(|depth| depth >= most));
         let contact_everywhere = depths.iter().all(|depth| depth.is_some_and(|depth| depth <= least));
-        self.has_touch = !film_everywhere && !contact_everywhere;
+        // Rough surfaces may do without.
+        let known = self.parameters.surface_roughness == 0.0 || depths.iter().all(Option::is_some);
+        self.has_touch = known && !film_everywhere && !contact_everywhere;
         if self.has_touch {
             for depth in depths {
                 let Some(depth) = depth else {
                     let allowed = "a range in which the solids touch at all speeds or at none; take fewer speeds";
+                    let [least, most] = self.range.pressed;
                     return Err(Error::value("depths", format!("{least:e}:{most:e}"), allowed));
                 };
                 self.depths = [self.depths[0].min(depth - margin), self.depths[1].max(depth + margin)];
@@ -91,6 +94,10 @@ impl Builder<'_> {
         }
         missing.sort_by(|a, b| (a.2, a.3).partial_cmp(&(b.2, b.3)).unwrap_or(std::cmp::Ordering::Equal));
         missing.dedup();
+        if self.parameters.surface_roughness > 0.0 {
+            // There and back: the next line begins where the last one ended.
+            missing.chunk_by_mut(|a, b| a.2 == b.2).skip(1).step_by(2).for_each(<[_]>::reverse);
+        }
         let points: Vec<Inputs> = missing.iter().map(|(_, _, u, depth)| self.inputs(*depth, *u)).collect();
         let found = self.solve(&points)?;
         for ((side, station, u, _), sample) in missing.into_iter().zip(found) {
@@ -103,7 +110,7 @@ impl Builder<'_> {
     pub(super) fn model(&self) -> Result<ReducedModel, Error> {
         let missing = || Error::State("the table of the reduced model has a gap".into());
         let chart = self.chart().ok_or_else(missing)?;
-        let mut grids = Vec::new();
+        let (mut grids, mut unresolved) = (Vec::new(), 0);
         for (side, stations) in &self.stations {
             let mut states = Vec::with_capacity(4 * QUANTITIES * stations.len() * (1 + chart.log_speeds.len()));
             for u in self.lines() {
@@ -111,8 +118,9 @@ impl Builder<'_> {
                     let key = (*side, station.to_bits(), u.to_bits());
                     let sample = self.samples.get(&key).ok_or_else(missing)?;
                     let start = states.len();
+                    unresolved += usize::from(!sample.resolved);
                     states.extend(sample.state.iter().flatten().map(|value| *value as f32));
-                    if self.at_touch(*side, *station) {
+                    if self.at_touch(*side, *station) && self.parameters.surface_roughness == 0.0 {
                         states[start + MINIMUM_FILM] = 0.0;
                     }
                 }
@@ -121,6 +129,6 @@ impl Builder<'_> {
             grids.push(Grid { side: *side, stations: stations.clone(), states: moving, rest: states });
         }
         let (parameters, range, accuracy, checks) = (*self.parameters, self.range, Accuracy::default(), Vec::new());
-        Ok(ReducedModel::new(Content { parameters, range, accuracy, checks, chart, grids }))
+        Ok(ReducedModel::new(Content { parameters, range, accuracy, checks, unresolved, chart, grids }))
     }
 }

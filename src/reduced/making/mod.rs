@@ -16,17 +16,17 @@ use std::sync::{Mutex, PoisonError};
 use self::touch::Touch;
 use super::chart::Side;
 use super::quantities::{State, quantities};
-use super::{Range, ReducedModel, boundary_friction};
+use super::{Range, ReducedModel, boundary_friction, coordinate, pressed};
 use crate::error::Error;
 use crate::outputs::Regime;
-use crate::parameters::{Fidelity, Inputs, Parameters};
+use crate::parameters::{Control, Fidelity, Inputs, Parameters};
 use crate::simulation::{Input, Simulation};
 use crate::sweep;
 
 /// What a table has to keep: the largest errors between its states, relative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Of the load.
+    /// Of the load; where that is given, of the depth.
     pub load: f64,
     /// Of the least film thickness.
     pub minimum_film_thickness: f64,
@@ -55,8 +55,12 @@ pub struct Progress {
 #[derive(Clone)]
 struct Sample {
     inputs: Inputs,
+    /// What its place is on the axis of depths.
+    depth: f64,
     state: Box<State>,
+    /// On which side of first touch it is.
     touching: bool,
+    resolved: bool,
 }
 
 /// ln U at rest.
@@ -85,6 +89,8 @@ struct Builder<'a> {
     stations: Vec<(Side, Vec<f64>)>,
     samples: HashMap<Key, Sample>,
     touches: HashMap<u64, Touch>,
+    /// Depths that are asked for.
+    asked: [f64; 2],
     /// Depths that the table covers, and whether first touch is among them.
     depths: [f64; 2],
     has_touch: bool,
@@ -107,7 +113,7 @@ impl ReducedModel {
     ) -> Result<Self, Error> {
         let parameters = &Parameters { fidelity: Fidelity::Full, ..*parameters };
         parameters.validate()?;
-        check(&range)?;
+        check(&range, parameters.control)?;
         if parameters.cavitation {
             return Err(Error::value(
                 "cavitation",
@@ -115,15 +121,9 @@ impl ReducedModel {
                 "false: a reduced model has no cavitated film; fidelity = full has",
             ));
         }
-        if crate::equations::grid::moves(parameters) {
-            return Err(Error::value(
-                "mesh.distribution",
-                "a mesh that goes with the contact",
-                "\"graded\" with sector_half_angle above 0: the states of a table share one mesh",
-            ));
-        }
         let [slowest, fastest] = first_lines(&range);
         let last = (FIRST_SPEEDS - 1) as f64;
+        let asked = range.pressed.map(|end| coordinate(parameters.control, end));
         let log_speeds = (0..FIRST_SPEEDS).map(|i| slowest + (fastest - slowest) * i as f64 / last).collect();
         let mut builder = Builder {
             parameters,
@@ -136,7 +136,8 @@ impl ReducedModel {
             stations: Vec::new(),
             samples: HashMap::new(),
             touches: HashMap::new(),
-            depths: range.depths,
+            asked,
+            depths: asked,
             has_touch: false,
         };
         builder.lay_out()?;
@@ -144,15 +145,15 @@ impl ReducedModel {
     }
 }
 
-fn check(range: &Range) -> Result<(), Error> {
-    let [least, most] = range.depths;
+fn check(range: &Range, control: Control) -> Result<(), Error> {
+    let [least, most] = range.pressed;
     let [slowest, fastest] = range.speeds;
-    if !(-1e-2..=1e-2).contains(&least) || !(-1e-2..=1e-2).contains(&most) || least >= most {
-        return Err(Error::value(
-            "depths",
-            format!("{least:e}:{most:e}"),
-            "two ascending numbers from -1e-2 to 1e-2 m",
-        ));
+    let (name, limits, allowed) = match control {
+        Control::Depth => ("depths", -1e-2..=1e-2, "two ascending numbers from -1e-2 to 1e-2 m"),
+        Control::Load => ("loads", 1e-3..=1e7, "two ascending numbers from 1e-3 to 1e7 N/m"),
+    };
+    if !limits.contains(&least) || !limits.contains(&most) || least >= most {
+        return Err(Error::value(name, format!("{least:e}:{most:e}"), allowed));
     }
     if !(slowest == 0.0 || (1e-6..10.0).contains(&slowest)) || fastest <= slowest || !(1e-3..=10.0).contains(&fastest) {
         return Err(Error::value(
@@ -181,11 +182,14 @@ impl Builder<'_> {
 
     fn inputs(&self, depth: f64, log_speed: f64) -> Inputs {
         let [slowest, fastest] = self.range.speeds;
-        Inputs {
-            penetration_depth: depth,
+        let inputs = Inputs {
             sliding_speed: log_speed.exp().clamp(slowest, fastest),
             slide_to_roll_ratio: self.range.slide_to_roll_ratio,
             ..Inputs::NONE
+        };
+        match self.parameters.control {
+            Control::Depth => Inputs { penetration_depth: depth, ..inputs },
+            Control::Load => Inputs { applied_load: depth.exp(), ..inputs },
         }
     }
 
@@ -219,11 +223,21 @@ fn sample(simulation: &mut Simulation) -> Result<Sample, Error> {
     let (p, inputs, outputs) = (*simulation.parameters(), *simulation.inputs(), simulation.outputs().clone());
     let boundary = boundary_friction(&p, &inputs);
     let mut state = Box::new([quantities(&outputs, boundary[0] * outputs.solid_load, p.width); 4]);
-    for input in [Input::PenetrationDepth, Input::SlidingSpeed, Input::SlideToRollRatio] {
-        let (k, derivatives) = (1 + input as usize, simulation.derivatives(input)?);
+    let (pressing, scale) = match p.control {
+        Control::Depth => (Input::PenetrationDepth, 1.0),
+        // By the logarithm.
+        Control::Load => (Input::AppliedLoad, inputs.applied_load),
+    };
+    for (k, input) in [(1, pressing), (2, Input::SlidingSpeed), (3, Input::SlideToRollRatio)] {
+        let derivatives = simulation.derivatives(input)?;
         let friction = boundary[0] * derivatives.solid_load + boundary[k] * outputs.solid_load;
-        state[k] = quantities(derivatives, friction, p.width);
+        let scale = if k == 1 { scale } else { 1.0 };
+        state[k] = quantities(derivatives, friction, p.width).map(|slope| scale * slope);
     }
-    let touching = matches!(outputs.lubrication_regime, Regime::BoundaryContact | Regime::HighFriction);
-    Ok(Sample { inputs, state, touching })
+    let touching = match p.surface_roughness {
+        0.0 => matches!(outputs.lubrication_regime, Regime::BoundaryContact | Regime::HighFriction),
+        rms => outputs.minimum_film_thickness < rms,
+    };
+    let depth = coordinate(p.control, pressed(p.control, &inputs).2);
+    Ok(Sample { inputs, depth, state, touching, resolved: outputs.well_resolved })
 }

@@ -21,6 +21,8 @@ const MOST_STATES: usize = 6000;
 /// Cells are not made narrower than these fractions of a side and of the range of ln U: what is left then is the way in which a coarse
 /// mesh closes the film element by element.
 const NARROWEST: [f64; 2] = [1.0 / 80.0, 1.0 / 20.0];
+/// Between rough surfaces no film closes so.
+const NARROWEST_ROUGH: [f64; 2] = [1.0 / 24.0, 1.0 / 12.0];
 
 impl Builder<'_> {
     pub(super) fn refine(&mut self) -> Result<ReducedModel, Error> {
@@ -37,7 +39,7 @@ impl Builder<'_> {
                 (0..VERIFIED_STATES_NEAR_REST).filter(|_| self.rests()).map(|i| self.scattered(offset + i, true));
             let places: Vec<Inputs> = moving.chain(slow).collect();
             offset += VERIFIED_STATES;
-            let found = self.solve(&sorted(places))?;
+            let found = self.solve(&self.sorted(places))?;
             let mut comparisons = Vec::new();
             let (mut wide, mut slow) = (vec![Vec::new(); self.stations.len()], Vec::new());
             for sample in &found {
@@ -46,11 +48,11 @@ impl Builder<'_> {
                     // The cell gets a line where the table was farther from the states halfway, if there is room.
                     let chart = &model.content.chart;
                     let speed = sample.inputs.sliding_speed;
-                    let (side, station) = chart.station(self.stations[0].0, sample.inputs.penetration_depth, speed);
+                    let (side, station) = chart.station(self.stations[0].0, sample.depth, speed);
                     let patch = self.stations.iter().position(|(other, _)| *other == side).unwrap_or(0);
                     let column = cell(&self.stations[patch].1, station);
                     let line = cell(&self.lines(), speed.ln());
-                    let room = [has_room(&self.stations[patch].1, column, NARROWEST[0]), self.has_room(line)];
+                    let room = [has_room(&self.stations[patch].1, column, self.narrowest()[0]), self.has_room(line)];
                     let by_station = station_errors[patch][column] >= speed_errors[line];
                     match room == [true, false] || (room[0] && by_station) {
                         true => wide[patch].push(column),
@@ -111,8 +113,9 @@ impl Builder<'_> {
     /// New lines in the middle of those of these intervals that are not too narrow; whether there were any.
     fn insert(&mut self, wide: &[Vec<usize>], slow: &[usize]) -> Result<bool, Error> {
         let mut any = false;
+        let narrowest = self.narrowest()[0];
         for ((_, stations), intervals) in self.stations.iter_mut().zip(wide) {
-            any |= split(stations, intervals, NARROWEST[0]);
+            any |= split(stations, intervals, narrowest);
         }
         let narrowest = self.narrowest_speeds();
         let slower = self.rests() && slow.contains(&0) && self.has_room(0);
@@ -137,7 +140,11 @@ impl Builder<'_> {
     /// Least width of an interval of ln U.
     fn narrowest_speeds(&self) -> f64 {
         let [slowest, fastest] = first_lines(&self.range);
-        NARROWEST[1] * (fastest - slowest)
+        self.narrowest()[1] * (fastest - slowest)
+    }
+
+    fn narrowest(&self) -> [f64; 2] {
+        if self.parameters.surface_roughness > 0.0 { NARROWEST_ROUGH } else { NARROWEST }
     }
 
     /// ln U in the middle of the intervals between the lines; after rest, where half the slowest line's speed is.
@@ -158,13 +165,28 @@ impl Builder<'_> {
     /// the lines of the speeds, or between rest and the slowest.
     fn scattered(&self, index: usize, near_rest: bool) -> Inputs {
         let fraction = |step: f64| (0.5 + step * (index + 1) as f64).fract();
-        let ([least, most], slowest) = (self.range.depths, self.log_speeds[0]);
+        let ([least, most], slowest) = (self.asked, self.log_speeds[0]);
         let place = fraction(0.569_840_290_998_053_3);
         let log_speed = match near_rest {
             true => slowest + place.ln(),
             false => slowest + (self.range.speeds[1].ln() - slowest) * place,
         };
         self.inputs(least + (most - least) * fraction(0.754_877_666_246_692_8), log_speed)
+    }
+
+    /// Neighbours one after the other: by depth; between rough surfaces by bands of speed, there and back.
+    fn sorted(&self, mut points: Vec<Inputs>) -> Vec<Inputs> {
+        const BANDS: f64 = 8.0;
+        let [slowest, fastest] = first_lines(&self.range);
+        let rough = self.parameters.surface_roughness > 0.0;
+        let band = |inputs: &Inputs| match rough {
+            true => (BANDS * (inputs.sliding_speed.ln() - slowest) / (fastest - slowest)).floor(),
+            false => 0.0,
+        };
+        let place = |inputs: &Inputs| (band(inputs), inputs.penetration_depth, inputs.applied_load);
+        points.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
+        points.chunk_by_mut(|a, b| band(a) == band(b)).skip(1).step_by(2).for_each(<[_]>::reverse);
+        points
     }
 }
 
@@ -193,10 +215,4 @@ fn has_room(lines: &[f64], interval: usize, narrowest: f64) -> bool {
 
 fn cell(lines: &[f64], place: f64) -> usize {
     lines.partition_point(|x| *x <= place).saturating_sub(1).min(lines.len() - 2)
-}
-
-/// Neighbours in depth one after the other.
-fn sorted(mut points: Vec<Inputs>) -> Vec<Inputs> {
-    points.sort_by(|a, b| a.penetration_depth.total_cmp(&b.penetration_depth));
-    points
 }

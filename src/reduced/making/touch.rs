@@ -1,9 +1,11 @@
-//! First touch: the depth at which the film first closes at a speed.
+//! First touch: the depth at which the film first closes at a speed; that of rough surfaces at which it is as thin as they are rough. There it lifts them
+//! apart, within a few per cent of the speed.
 
 use super::super::quantities::MINIMUM_FILM;
-use super::{Builder, Sample};
+use super::{Builder, Progress, Sample, sample};
 use crate::error::Error;
-use crate::parameters::Inputs;
+use crate::simulation::Simulation;
+use crate::sweep;
 
 /// First touch is found to this fraction of the range of depths.
 const TOUCH_PRECISION: f64 = 1e-4;
@@ -16,15 +18,16 @@ pub(super) struct Touch {
 
 impl Touch {
     pub(super) fn depth(&self) -> f64 {
-        0.5 * (self.apart.inputs.penetration_depth + self.touching.inputs.penetration_depth)
+        0.5 * (self.apart.depth + self.touching.depth)
     }
 }
 
 impl Builder<'_> {
     /// Finds first touch at these speeds: by Newton's method on the least film thickness, and by halving.
     pub(super) fn find_touches(&mut self, log_speeds: &[f64], guess: f64) -> Result<(), Error> {
-        let span = self.range.depths[1] - self.range.depths[0];
-        let limits = [self.range.depths[0] - span, self.range.depths[1] + span];
+        let [least, most] = self.asked;
+        let span = most - least;
+        let limits = [least - span, most + span];
         let precision = TOUCH_PRECISION * span;
         let known = self.chart().filter(|chart| !chart.touch.is_empty());
         let mut searches: Vec<Search> = log_speeds
@@ -36,16 +39,15 @@ impl Builder<'_> {
                 Search { log_speed, apart: None, touching: None, next: Some(next), increment: 8.0 * precision }
             })
             .collect();
-        loop {
-            let trials: Vec<(usize, f64)> =
-                searches.iter().enumerate().filter_map(|(i, search)| Some((i, search.next?))).collect();
-            if trials.is_empty() {
-                break;
-            }
-            let points: Vec<Inputs> =
-                trials.iter().map(|(i, depth)| self.inputs(*depth, searches[*i].log_speed)).collect();
-            for ((i, _), sample) in trials.into_iter().zip(self.solve(&points)?) {
-                searches[i].learn(sample, precision, limits);
+        // Every state from the one before: those of one speed are near each other.
+        let mut simulation = Simulation::new(self.parameters)?;
+        let rest = simulation.snapshot();
+        for search in &mut searches {
+            while let Some(depth) = search.next {
+                sweep::solve_next(&mut simulation, &rest, self.inputs(depth, search.log_speed))?;
+                search.learn(sample(&mut simulation)?, precision, limits, self.parameters.surface_roughness);
+                self.solved += 1;
+                (self.progress)(Progress { solved: self.solved, planned: self.solved });
             }
         }
         for search in searches {
@@ -68,8 +70,8 @@ struct Search {
 }
 
 impl Search {
-    fn learn(&mut self, sample: Sample, precision: f64, limits: [f64; 2]) {
-        let depth = |sample: &Sample| sample.inputs.penetration_depth;
+    fn learn(&mut self, sample: Sample, precision: f64, limits: [f64; 2], film: f64) {
+        let depth = |sample: &Sample| sample.depth;
         if sample.touching {
             self.touching = Some(sample);
         } else {
@@ -79,12 +81,13 @@ impl Search {
             (Some(apart), Some(touching)) if depth(touching) - depth(apart) <= precision => None,
             (Some(apart), Some(touching)) => {
                 let (a, b) = (depth(apart), depth(touching));
-                let inside = apart.closing().map(|depth| depth + 0.4 * precision).filter(|d| *d < b - 0.2 * precision);
+                let inside =
+                    apart.closing(film).map(|depth| depth + 0.4 * precision).filter(|d| *d < b - 0.2 * precision);
                 Some(inside.unwrap_or(0.5 * (a + b)))
             }
             (Some(apart), None) => {
                 self.increment *= 2.0;
-                let beyond = apart.closing().unwrap_or(depth(apart)).max(depth(apart)) + 0.4 * precision;
+                let beyond = apart.closing(film).unwrap_or(depth(apart)).max(depth(apart)) + 0.4 * precision;
                 Some(beyond.max(depth(apart) + precision).min(limits[1])).filter(|_| depth(apart) < limits[1])
             }
             (None, Some(touching)) => {
@@ -97,9 +100,9 @@ impl Search {
 }
 
 impl Sample {
-    /// Where the film closes on its tangent.
-    fn closing(&self) -> Option<f64> {
+    /// Where the film closes to this thickness on its tangent.
+    fn closing(&self, least: f64) -> Option<f64> {
         let [film, slope] = [0, 1].map(|k| self.state[k][MINIMUM_FILM]);
-        (slope < 0.0).then(|| self.inputs.penetration_depth - film / slope)
+        (slope < 0.0).then(|| self.depth - (film - least) / slope)
     }
 }
