@@ -294,3 +294,21 @@ fn held(line: Local, w: f64, slowest: f64) -> State {
     let by_speed = std::array::from_fn(|q| 0.5 * (values[q] - mirror[q]) / slowest);
     [blend(values), blend(by_station), by_speed, blend(by_ratio)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::quantities::MINIMUM_FILM;
+    use super::*;
+
+    #[test]
+    fn what_is_kept_from_going_below_zero_depends_on_the_surfaces() {
+        let solid_load = (0..SCALARS).find(|q| INTERPOLATION[*q].floor == Floor::Zero).unwrap();
+        for rough in [false, true] {
+            let manner = Manner { logarithmic: [false; SCALARS], stations_move: false, rough };
+            // Mean planes of rough surfaces may overlap, and their distance has slopes of its own.
+            assert_eq!([manner.has_floor(MINIMUM_FILM), manner.hops(MINIMUM_FILM)], [!rough; 2]);
+            assert!(manner.has_floor(solid_load) && !manner.hops(SCALARS));
+            assert!(Manner { stations_move: true, ..manner }.hops(SCALARS));
+        }
+    }
+}
