@@ -218,7 +218,7 @@ impl Table {
         let inputs = drive.at(duration);
         (self.outputs, self.derivatives) = self.model.evaluate(&inputs)?;
         self.position = self.model.position(&inputs);
-        self.warnings = self.model.warning(&inputs).into_iter().collect();
+        self.warnings = if self.outputs.well_resolved { Vec::new() } else { self.model.warnings(&inputs) };
         (self.inputs, self.drive, self.duration) = (inputs, drive, duration);
         Ok(())
     }
@@ -274,14 +274,16 @@ mod tests {
         assert_eq!(model.derivative(variable, Input::PenetrationDepth).unwrap(), Some(0.0));
         assert!((model.rate(variable).unwrap().unwrap() / (100.0 * by_load) - 1.0).abs() < 1e-12);
         assert!((model.contact_stiffness().unwrap() * by_load / full.width - 1.0).abs() < 1e-12);
-        assert!(model.warnings().is_empty());
+        // On so few elements it is not resolved; it is not held either.
+        let held = |model: &Model| model.warnings().iter().any(|warning| warning.contains("below 0.1 m/s"));
+        assert!(!held(&model) && model.warnings()[0].contains("do not resolve") && !model.view().outputs.well_resolved);
         let saved = model.save();
         let before = model.view().outputs.clone();
         model.solve_steady(Inputs { sliding_speed: -0.05, ..at(550.0) }).unwrap();
-        assert!(model.warnings()[0].contains("below 0.1 m/s"), "{:?}", model.warnings());
+        assert!(held(&model), "{:?}", model.warnings());
         // What is beyond the loads is refused, and the state is kept.
         assert!(model.solve_steady(at(601.0)).unwrap_err().to_string().contains("applied_load = 601"));
         model.restore(&saved).unwrap();
-        assert!(model.view().outputs == &before && model.warnings().is_empty());
+        assert!(model.view().outputs == &before && !held(&model));
     }
 }

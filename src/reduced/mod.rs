@@ -156,8 +156,6 @@ struct Content {
     range: Range,
     accuracy: Accuracy,
     checks: Vec<Check>,
-    /// How many of the states are not resolved by their mesh.
-    unresolved: usize,
     chart: Chart,
     grids: Vec<Grid>,
 }
@@ -247,15 +245,32 @@ impl ReducedModel {
         })
     }
 
-    /// What is doubtful about the outputs at these inputs, if anything is.
-    pub fn warning(&self, inputs: &Inputs) -> Option<String> {
-        let slowest = self.content.range.speeds[0];
-        (inputs.sliding_speed.abs() < slowest).then(|| {
-            format!(
+    /// What is doubtful about the outputs at these inputs, one sentence each; none where all is well, or where the table does not cover them.
+    pub fn warnings(&self, inputs: &Inputs) -> Vec<String> {
+        let Content { parameters: Parameters { control, .. }, range, .. } = &self.content;
+        let ([slowest, _], speed) = (range.speeds, inputs.sliding_speed.abs());
+        let mut warnings = Vec::new();
+        if speed < slowest {
+            warnings.push(format!(
                 "the reduced model has no speeds below {slowest} m/s: the state at that speed is held, and what turns round with the motion goes \
                  through zero"
-            )
-        })
+            ));
+        }
+        let depth = coordinate(*control, pressed(*control, inputs).2);
+        if range.check(*control, inputs).is_ok() && self.is_unresolved(depth, speed) {
+            warnings.push(
+                "mesh or sector do not resolve a state of the reduced model near these inputs; `cartilage-contact solve` says what is not".into(),
+            );
+        }
+        warnings
+    }
+
+    /// Whether their mesh does not resolve a state between which a depth and a speed of 0 or more are.
+    fn is_unresolved(&self, depth: f64, speed: f64) -> bool {
+        let chart = &self.content.chart;
+        let (side, station) = chart.station(self.patches[0].side, depth, speed);
+        let patch = self.patches.iter().find(|patch| patch.side == side);
+        patch.is_some_and(|patch| patch.is_unresolved(chart, station, speed))
     }
 
     /// Outputs, and their derivatives with respect to penetration depth (where the load is given, with respect to that), sliding speed and
@@ -275,7 +290,9 @@ impl ReducedModel {
             state = state.map(|values| mirrored(&values));
             state[2] = state[2].map(|by_speed| -by_speed);
         }
-        Ok(self.outputs(inputs, &state, side))
+        let (mut outputs, derivatives) = self.outputs(inputs, &state, side);
+        outputs.well_resolved = self.warnings(inputs).is_empty();
+        Ok((outputs, derivatives))
     }
 
     /// What is interpolated at a depth and a speed of 0 or more, and on which side of first touch that is.
@@ -369,7 +386,8 @@ impl ReducedModel {
 /// What it covers and its measured error, in a line.
 impl std::fmt::Display for ReducedModel {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (Content { range, accuracy, unresolved, .. }, percent) = (&self.content, |d: Deviation| 100.0 * d.largest);
+        let (Content { range, accuracy, grids, .. }, percent) = (&self.content, |d: Deviation| 100.0 * d.largest);
+        let unresolved = grids.iter().flat_map(|grid| &grid.unresolved).filter(|unresolved| **unresolved).count();
         let control = self.parameters().control;
         let (name, unit, _) = pressed(control, &Inputs::NONE);
         let follows = if control == Control::Load { "penetration depth" } else { "load" };
@@ -391,7 +409,7 @@ impl std::fmt::Display for ReducedModel {
             percent(accuracy.friction_coefficient_near_touch),
             percent(accuracy.fluid_pressure),
         )?;
-        if *unresolved > 0 {
+        if unresolved > 0 {
             write!(f, "; {unresolved} of its states carry a warning that mesh or sector do not resolve them")?;
         }
         if range.speeds[0] > 0.0 {

@@ -41,6 +41,8 @@ pub struct Grid {
     pub states: Vec<f32>,
     /// The same at rest, station by station, in a table that goes down to rest.
     pub rest: Vec<f32>,
+    /// Which states their mesh does not resolve: those at rest, if there are, and then the others.
+    pub unresolved: Vec<bool>,
 }
 
 /// Values in a state's block.
@@ -53,6 +55,7 @@ impl Grid {
         self.stations.len() >= 2
             && self.states.len() == line * chart.log_speeds.len()
             && self.rest.len() == line * usize::from(chart.rest.is_some())
+            && self.unresolved.len() * BLOCK == self.states.len() + self.rest.len()
     }
 
     /// Which of the stations is first touch.
@@ -112,6 +115,7 @@ pub struct Patch {
     by_ratio: Vec<f32>,
     /// At rest: quantities, and their derivatives with respect to s and to the slide-to-roll ratio.
     rest: Vec<f32>,
+    unresolved: Vec<bool>,
 }
 
 /// Quantities, their derivatives with respect to s, to ln U and to both, and to the slide-to-roll ratio.
@@ -166,7 +170,8 @@ impl Patch {
             }
         }
         let by_ratio = grid.states.chunks_exact(BLOCK).flat_map(|s| s[3 * QUANTITIES..].iter().copied()).collect();
-        Self { side: grid.side, stations: grid.stations.clone(), manner, nodes, by_ratio, rest }
+        let (side, stations, unresolved) = (grid.side, grid.stations.clone(), grid.unresolved.clone());
+        Self { side, stations, manner, nodes, by_ratio, rest, unresolved }
     }
 
     /// The nodes at rest. A state at rest is its own mirror image.
@@ -188,6 +193,20 @@ impl Patch {
             }
         }
         nodes
+    }
+
+    /// Whether their mesh does not resolve one of the states between which this station and speed are.
+    pub fn is_unresolved(&self, chart: &Chart, station: f64, speed: f64) -> bool {
+        let first = Cubic::at(&self.stations, station).first;
+        let lines = match (chart.rest.is_some(), speed < chart.slowest()) {
+            (rest, true) => 0..1 + usize::from(rest),
+            (rest, false) => {
+                let line = usize::from(rest) + Cubic::at(&chart.log_speeds, speed.ln()).first;
+                line..line + 2
+            }
+        };
+        let at = |line: usize| &self.unresolved[line * self.stations.len() + first..][..2];
+        lines.flat_map(at).any(|unresolved| *unresolved)
     }
 
     /// The state at a station and a speed of 0 or more.
@@ -299,6 +318,33 @@ fn held(line: Local, w: f64, slowest: f64) -> State {
 mod tests {
     use super::super::quantities::MINIMUM_FILM;
     use super::*;
+
+    #[test]
+    fn a_state_that_is_not_resolved_makes_its_cells_doubtful() {
+        // Three stations, at rest (where there is one) and at 1, e and e^2 m/s; not resolved is one state of the first line or one of the last.
+        let manner = Manner { logarithmic: [false; SCALARS], stations_move: false, rough: false };
+        let stations = vec![0.0, 0.5, 1.0];
+        for (rest, first, last) in [(Some(0.0), 0, 11), (None, 0, 8)] {
+            let chart = Chart { depths: [0.0, 1.0], log_speeds: vec![0.0, 1.0, 2.0], touch: Vec::new(), rest };
+            let patch = |wrong: usize| {
+                let lines = 3 + usize::from(rest.is_some());
+                let grid = Grid {
+                    side: Side::Film,
+                    stations: stations.clone(),
+                    states: vec![0.0; 9 * BLOCK],
+                    rest: vec![0.0; 3 * BLOCK * usize::from(rest.is_some())],
+                    unresolved: (0..3 * lines).map(|state| state == wrong).collect(),
+                };
+                assert!(grid.fits(&chart));
+                Patch::new(&grid, &chart, manner)
+            };
+            let at = |wrong: usize, station: f64, speed: f64| patch(wrong).is_unresolved(&chart, station, speed);
+            // Below the slowest line it is that of rest, or what is held.
+            assert!(at(first, 0.2, 0.5) && at(first, 0.2, 0.0) && !at(first, 0.8, 0.5) && !at(last, 0.8, 0.5));
+            assert_eq!(at(first, 0.2, 1.5), rest.is_none());
+            assert!(!at(first, 0.2, 3.0) && at(last, 0.8, 3.0) && at(last, 1.0, 2.0_f64.exp()) && !at(last, 0.2, 3.0));
+        }
+    }
 
     #[test]
     fn what_is_kept_from_going_below_zero_depends_on_the_surfaces() {

@@ -110,15 +110,16 @@ impl Builder<'_> {
     pub(super) fn model(&self) -> Result<ReducedModel, Error> {
         let missing = || Error::State("the table of the reduced model has a gap".into());
         let chart = self.chart().ok_or_else(missing)?;
-        let (mut grids, mut unresolved) = (Vec::new(), 0);
+        let mut grids = Vec::new();
         for (side, stations) in &self.stations {
             let mut states = Vec::with_capacity(4 * QUANTITIES * stations.len() * (1 + chart.log_speeds.len()));
+            let mut unresolved = Vec::new();
             for u in self.lines() {
                 for station in stations {
                     let key = (*side, station.to_bits(), u.to_bits());
                     let sample = self.samples.get(&key).ok_or_else(missing)?;
                     let start = states.len();
-                    unresolved += usize::from(!sample.resolved);
+                    unresolved.push(!sample.resolved);
                     states.extend(sample.state.iter().flatten().map(|value| *value as f32));
                     if self.at_touch(*side, *station) && self.parameters.surface_roughness == 0.0 {
                         states[start + MINIMUM_FILM] = 0.0;
@@ -126,9 +127,9 @@ impl Builder<'_> {
                 }
             }
             let moving = states.split_off(usize::from(self.rests()) * 4 * QUANTITIES * stations.len());
-            grids.push(Grid { side: *side, stations: stations.clone(), states: moving, rest: states });
+            grids.push(Grid { side: *side, stations: stations.clone(), states: moving, rest: states, unresolved });
         }
         let (parameters, range, accuracy, checks) = (*self.parameters, self.range, Accuracy::default(), Vec::new());
-        Ok(ReducedModel::new(Content { parameters, range, accuracy, checks, unresolved, chart, grids }))
+        Ok(ReducedModel::new(Content { parameters, range, accuracy, checks, chart, grids }))
     }
 }
