@@ -266,6 +266,14 @@ mod tests {
             model.view().outputs.penetration_depth
         };
         let slope = (depth(&mut model, 551.0) - depth(&mut model, 549.0)) / 2.0;
+        // The stations of the profiles go with the contact, as those of the full model.
+        let mut simulation = Simulation::new(&full).unwrap();
+        for load in [510.0, 590.0] {
+            simulation.solve_steady(at(load)).unwrap();
+            model.solve_steady(at(load)).unwrap();
+            let last = [simulation.position(), model.view().position].map(|position| position[position.len() - 1]);
+            assert!((last[0] / last[1] - 1.0).abs() < 1e-12, "{last:?}");
+        }
         // The load grows as the step goes on.
         let rates = Inputs { applied_load: 100.0, ..Inputs { sliding_speed: 0.0, ..Inputs::NONE } };
         model.advance(Drive { inputs: at(540.0), rates }, 0.1).unwrap();

@@ -37,7 +37,7 @@ pub struct Roughness {
 }
 
 /// Film parameter h/sigma below which rough surfaces touch: mixed lubrication.
-pub const MIXED_FILM: f64 = 3.0;
+const MIXED_FILM: f64 = 3.0;
 
 /// Value and derivative of amplitude * exp(-x / decay).
 fn exponential(x: f64, amplitude: f64, decay: f64) -> (f64, f64) {

@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
 use crate::equations::grid::{contact_half_width, half_width, moves};
+use crate::equations::system::roughness;
 use crate::error::Error;
 use crate::laws::contact::mobilised_friction;
-use crate::laws::roughness::MIXED_FILM;
 use crate::outputs::{Derived, Direct, Outputs, RESULTS, STATIONS, profile_stations};
 use crate::parameters::{Control, Inputs, PARAMETERS, Parameters};
 use chart::{Chart, Side};
@@ -236,7 +236,8 @@ impl ReducedModel {
         profile_stations(half_width(p, contact_half_width(p, inputs, p.control)))
     }
 
-    /// Penetration depth \[m\] or load \[N/m\] at which smooth surfaces first touch at a speed; `None` where that is not in the table.
+    /// Penetration depth \[m\] or load \[N/m\] at which smooth surfaces first touch at a speed, or at which the film of rough ones is as thin as they are
+    /// rough; `None` where that is not in the table.
     pub fn first_touch(&self, sliding_speed: f64) -> Option<f64> {
         let [touch, _] = self.content.chart.touch(sliding_speed.abs())?;
         Some(match self.parameters().control {
@@ -342,9 +343,9 @@ impl ReducedModel {
         let solid_friction = direct.solid_load * Dual64::new(boundary[0], boundary[1 + input]);
         let fluid_friction = [dual(UPPER_FRICTION), dual(LOWER_FRICTION)];
         let speed_and_depth = [along(inputs.sliding_speed, 1), depth];
-        let touching = match p.surface_roughness {
-            0.0 => side == Side::Contact,
-            rms => direct.minimum_film_thickness.re < MIXED_FILM * rms,
+        let touching = match roughness(p) {
+            None => side == Side::Contact,
+            Some(rough) => direct.minimum_film_thickness.re < rough.mixed_film(),
         };
         let derived = Derived::new(p, speed_and_depth, &direct, touching, fluid_friction, solid_friction);
         Outputs::new(direct, derived)

@@ -342,6 +342,8 @@ mod tests {
             // Below the slowest line it is that of rest, or what is held.
             assert!(at(first, 0.2, 0.5) && at(first, 0.2, 0.0) && !at(first, 0.8, 0.5) && !at(last, 0.8, 0.5));
             assert_eq!(at(first, 0.2, 1.5), rest.is_none());
+            // The slowest line has a part in what is below it.
+            assert!(at(if rest.is_some() { 3 } else { 0 }, 0.2, 0.5));
             assert!(!at(first, 0.2, 3.0) && at(last, 0.8, 3.0) && at(last, 1.0, 2.0_f64.exp()) && !at(last, 0.2, 3.0));
         }
     }

@@ -22,7 +22,7 @@ pub struct Layer {
 }
 
 /// Roughness of the surfaces; none where they are smooth.
-pub(super) fn roughness(parameters: &Parameters) -> Option<Roughness> {
+pub fn roughness(parameters: &Parameters) -> Option<Roughness> {
     let p = parameters;
     (p.surface_roughness > 0.0).then_some(Roughness {
         rms: p.surface_roughness,

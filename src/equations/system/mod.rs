@@ -29,7 +29,8 @@ use crate::equations::surface::Surface;
 use crate::fem::element::SIMPSON;
 use crate::parameters::{Formulation, Inputs, Parameters};
 use crate::solver::linear::{FIXED, Multifrontal};
-use laws::{body, boundary_friction, mobility, roughness, sector};
+pub use laws::roughness;
+use laws::{body, boundary_friction, mobility, sector};
 use problem::Tangent;
 
 /// The discrete equations of a pair of layers, with the factorisation of their last tangent.

@@ -26,7 +26,7 @@ impl Builder<'_> {
         let film_everywhere = depths.iter().all(|depth| depth.is_none_or(|depth| depth >= most));
         let contact_everywhere = depths.iter().all(|depth| depth.is_some_and(|depth| depth <= least));
         // Rough surfaces may do without.
-        let known = self.parameters.surface_roughness == 0.0 || depths.iter().all(Option::is_some);
+        let known = !self.is_rough() || depths.iter().all(Option::is_some);
         self.has_touch = known && !film_everywhere && !contact_everywhere;
         if self.has_touch {
             for depth in depths {
@@ -94,7 +94,7 @@ impl Builder<'_> {
         }
         missing.sort_by(|a, b| (a.2, a.3).partial_cmp(&(b.2, b.3)).unwrap_or(std::cmp::Ordering::Equal));
         missing.dedup();
-        if self.parameters.surface_roughness > 0.0 {
+        if self.is_rough() {
             // There and back: the next line begins where the last one ended.
             missing.chunk_by_mut(|a, b| a.2 == b.2).skip(1).step_by(2).for_each(<[_]>::reverse);
         }
@@ -121,7 +121,7 @@ impl Builder<'_> {
                     let start = states.len();
                     unresolved.push(!sample.resolved);
                     states.extend(sample.state.iter().flatten().map(|value| *value as f32));
-                    if self.at_touch(*side, *station) && self.parameters.surface_roughness == 0.0 {
+                    if self.at_touch(*side, *station) && !self.is_rough() {
                         states[start + MINIMUM_FILM] = 0.0;
                     }
                 }

@@ -169,6 +169,10 @@ fn check(range: &Range, control: Control) -> Result<(), Error> {
 }
 
 impl Builder<'_> {
+    fn is_rough(&self) -> bool {
+        self.parameters.surface_roughness > 0.0
+    }
+
     /// Whether the table goes down to rest.
     fn rests(&self) -> bool {
         self.range.speeds[0] == 0.0

@@ -144,7 +144,7 @@ impl Builder<'_> {
     }
 
     fn narrowest(&self) -> [f64; 2] {
-        if self.parameters.surface_roughness > 0.0 { NARROWEST_ROUGH } else { NARROWEST }
+        if self.is_rough() { NARROWEST_ROUGH } else { NARROWEST }
     }
 
     /// ln U in the middle of the intervals between the lines; after rest, where half the slowest line's speed is.
@@ -178,8 +178,7 @@ impl Builder<'_> {
     fn sorted(&self, mut points: Vec<Inputs>) -> Vec<Inputs> {
         const BANDS: f64 = 8.0;
         let [slowest, fastest] = first_lines(&self.range);
-        let rough = self.parameters.surface_roughness > 0.0;
-        let band = |inputs: &Inputs| match rough {
+        let band = |inputs: &Inputs| match self.is_rough() {
             true => (BANDS * (inputs.sliding_speed.ln() - slowest) / (fastest - slowest)).floor(),
             false => 0.0,
         };
