@@ -174,13 +174,13 @@ impl Solved<'_> {
     fn interface(&self, upper: &BodyFields) -> Result<InterfaceFields, Inverted> {
         let system = self.system;
         let stations = system.stations.len();
-        let film_thickness: Vec<f64> =
-            system.layout.gap.iter().map(|n| self.state.unknowns[*n as usize].max(0.0)).collect();
         let fluid_pressure: Vec<f64> = upper.fluid_pressure.iter().step_by(upper.levels()).copied().collect();
         let value = |number: &u32| if *number == FIXED { 0.0 } else { self.state.unknowns[*number as usize] };
         let void_thickness: Vec<f64> = system.layout.void.iter().map(value).collect();
 
         let none = Change::none(system.unknowns(), stations);
+        let film_thickness: Vec<f64> =
+            system.film_gaps(self.state, &none).into_iter().map(|gap| gap.re.max(0.0)).collect();
         let contact_pressure = system.contact_pressure(self.state, &none).iter().map(|pressure| pressure.re).collect();
 
         let (upper_outflow, weight) = self.outflow(0)?;

@@ -154,7 +154,7 @@ impl Solved<'_> {
             FIXED => Dual64::from(0.0),
             _ => Dual64::new(self.state.unknowns[number as usize], change.unknowns[number as usize]),
         };
-        let gap: Vec<_> = system.layout.gap.iter().map(|number| dual(*number)).collect();
+        let gap = system.film_gaps(self.state, change);
         let levels = system.layers[0].mesh.levels();
         let mut pressure: Vec<_> =
             system.layout.pressure[0].iter().step_by(levels).map(|number| dual(*number)).collect();

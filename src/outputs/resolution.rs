@@ -80,7 +80,8 @@ impl Solved<'_> {
                 100.0 * load_error
             ));
         }
-        let film_error = film_error(self);
+        let film: Vec<f64> = system.film_gaps(self.state, &none).into_iter().map(|gap| gap.re).collect();
+        let film_error = film_error(self, &film);
         if film_error > LARGE_ERROR {
             warnings.push(format!(
                 "the film bends so much from column to column that its least thickness may be off by {:.0} %, and the film's \
@@ -128,14 +129,14 @@ impl Solved<'_> {
         }
         let pressed: Vec<f64> = x.iter().zip(&pressure).filter(|(_, p)| **p > 0.1 * largest).map(|(x, _)| *x).collect();
         let length = pressed.last().zip(pressed.first()).map_or(0.0, |(b, a)| b - a);
-        let film = (0..system.stations.len()).map(|i| self.state.gap(system, i)).fold(f64::INFINITY, f64::min);
+        let least = film.iter().copied().fold(f64::INFINITY, f64::min);
         for (layer, speed) in system.layers.iter().zip(inputs.surface_speeds()).filter(|(_, speed)| *speed != 0.0) {
             let row = layer.surface_row();
             let body = if layer.side > 0.0 { &p.upper } else { &p.lower };
             let modulus = body.surface_aggregate_modulus();
             let depth = (layer.tissue.at_depth(0.0).mobility * modulus * length / speed.abs()).sqrt();
             // Where that layer takes up less fluid than the film holds it does not matter.
-            if consistent && row > depth && depth * largest / modulus > 0.1 * film {
+            if consistent && row > depth && depth * largest / modulus > 0.1 * least {
                 warnings.push(format!(
                     "fluid flows within {:.1e} m below the surface, and the uppermost elements are {row:.1e} m thick: more mesh.rows, a \
                      stronger mesh.row_grading, or mesh.distribution = contact",
@@ -145,7 +146,7 @@ impl Solved<'_> {
             }
         }
         let fluid: Vec<f64> = nodes.iter().map(|i| fluid(*i).unwrap_or(0.0)).collect();
-        let [rolling, boundary] = friction_errors(self, &fluid, outputs);
+        let [rolling, boundary] = friction_errors(self, &film, &fluid, outputs);
         let friction_error = rolling + boundary;
         if friction_error > LARGE_FRICTION_ERROR && boundary > rolling {
             warnings.push(format!(
@@ -220,9 +221,8 @@ impl Solved<'_> {
 
 /// Kink of the film at every end between two elements, and its curvature within one, as changes of thickness over an element \[m\]. A quarter of the smaller
 /// is what the interpolation of the film may leave out: each is large alone where a film is flat at rest or bends evenly.
-fn kinks_and_bends(solved: &Solved<'_>) -> impl Iterator<Item = (usize, [f64; 2])> {
+fn kinks_and_bends<'a>(solved: &'a Solved<'_>, film: &'a [f64]) -> impl Iterator<Item = (usize, [f64; 2])> + 'a {
     let system = solved.system;
-    let film: Vec<f64> = (0..system.stations.len()).map(|i| solved.state.gap(system, i)).collect();
     (2..film.len() - 2).step_by(2).map(move |i| {
         let lengths = [i - 2, i].map(|first| 0.5 * (system.arc[first + 2] - system.arc[first]));
         // Of the parabolas to both sides.
@@ -237,20 +237,19 @@ fn kinks_and_bends(solved: &Solved<'_>) -> impl Iterator<Item = (usize, [f64; 2]
 }
 
 /// What that leaves open where the film is nearly as thin as at its least. Where smooth surfaces touch the least thickness is none.
-fn film_error(solved: &Solved<'_>) -> f64 {
-    let system = solved.system;
+fn film_error(solved: &Solved<'_>, film: &[f64]) -> f64 {
     if solved.state.touches() {
         return 0.0;
     }
-    let gap = |i: usize| solved.state.gap(system, i);
-    let least = (0..system.stations.len()).map(gap).fold(f64::INFINITY, f64::min).max(THINNEST_FILM);
-    let thin = kinks_and_bends(solved).filter(|(i, _)| gap(*i) < 1.3 * least);
+    let thinnest = (0..film.len()).min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(0);
+    let least = film[thinnest].max(THINNEST_FILM);
+    let thin = kinks_and_bends(solved, film).filter(|(i, _)| film[*i] < 1.3 * least || i.abs_diff(thinnest) == 1);
     let [kink, bend] = thin.fold([0.0; 2], |[a, b]: [f64; 2], (_, [kink, bend])| [a.max(kink), b.max(bend)]);
     0.25 * kink.min(bend) / least
 }
 
 /// What is left open of the film's rolling friction and of boundary friction, over all friction. Surfaces at rest have no rolling friction.
-fn friction_errors(solved: &Solved<'_>, fluid_pressure: &[f64], outputs: &Outputs) -> [f64; 2] {
+fn friction_errors(solved: &Solved<'_>, film: &[f64], fluid_pressure: &[f64], outputs: &Outputs) -> [f64; 2] {
     if solved.state.inputs.surface_speeds() == [0.0; 2] {
         return [0.0; 2];
     }
@@ -258,19 +257,18 @@ fn friction_errors(solved: &Solved<'_>, fluid_pressure: &[f64], outputs: &Output
     let least = LEAST_FRICTION * outputs.normal_force.abs();
     let relative = |error: f64| error * solved.system.parameters().width / friction.max(least);
     // More than all of it says nothing.
-    [relative(rolling_friction_error(solved, fluid_pressure)), relative(boundary_friction_error(solved)).min(1.0)]
+    [relative(rolling_friction_error(solved, film, fluid_pressure)), relative(boundary_friction_error(solved)).min(1.0)]
 }
 
 /// What kinks and bends leave open of the film's rolling friction, int h/2 dp \[N/m\]. The upstream weight of a thin film between rough surfaces moves
 /// its thickness besides, by up to half of what it changes over a column.
-fn rolling_friction_error(solved: &Solved<'_>, fluid_pressure: &[f64]) -> f64 {
-    let system = solved.system;
-    let gap = |i: usize| solved.state.gap(system, 2 * i);
+fn rolling_friction_error(solved: &Solved<'_>, film: &[f64], fluid_pressure: &[f64]) -> f64 {
+    let gap = |i: usize| film[2 * i];
     let fall = |i: usize| (fluid_pressure[i + 1] - fluid_pressure[i]).abs();
-    let by_shape: f64 = kinks_and_bends(solved)
+    let by_shape: f64 = kinks_and_bends(solved, film)
         .map(|(i, [kink, bend])| 0.25 * kink.min(bend) * 0.25 * (fall(i / 2 - 1) + fall(i / 2)))
         .sum();
-    let by_weight: f64 = system.film().rough.map_or(0.0, |(roughness, _)| {
+    let by_weight: f64 = solved.system.film().rough.map_or(0.0, |(roughness, _)| {
         let thin = (0..fluid_pressure.len() - 1).filter(|i| gap(*i).max(gap(*i + 1)) < 10.0 * roughness.rms);
         thin.map(|i| 0.25 * (gap(i + 1) - gap(i)).abs() * fall(i)).sum()
     });

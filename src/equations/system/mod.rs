@@ -1,5 +1,6 @@
 //! The discrete system: two poroelastic layers, the film between them and their contact, as one set of equations.
 
+mod film_gap;
 mod laws;
 mod load;
 mod local;
