@@ -81,7 +81,8 @@ impl Solved<'_> {
             ));
         }
         let film: Vec<f64> = system.film_gaps(self.state, &none).into_iter().map(|gap| gap.re).collect();
-        let film_error = film_error(self, &film);
+        // Where smooth surfaces touch the least thickness is none.
+        let film_error = if self.state.touches() { 0.0 } else { film_error(&system.arc, &film) };
         if film_error > LARGE_ERROR {
             warnings.push(format!(
                 "the film bends so much from column to column that its least thickness may be off by {:.0} %, and the film's \
@@ -221,10 +222,9 @@ impl Solved<'_> {
 
 /// Kink of the film at every end between two elements, and its curvature within one, as changes of thickness over an element \[m\]. A quarter of the smaller
 /// is what the interpolation of the film may leave out: each is large alone where a film is flat at rest or bends evenly.
-fn kinks_and_bends<'a>(solved: &'a Solved<'_>, film: &'a [f64]) -> impl Iterator<Item = (usize, [f64; 2])> + 'a {
-    let system = solved.system;
+fn kinks_and_bends<'a>(arc: &'a [f64], film: &'a [f64]) -> impl Iterator<Item = (usize, [f64; 2])> + 'a {
     (2..film.len() - 2).step_by(2).map(move |i| {
-        let lengths = [i - 2, i].map(|first| 0.5 * (system.arc[first + 2] - system.arc[first]));
+        let lengths = [i - 2, i].map(|first| 0.5 * (arc[first + 2] - arc[first]));
         // Of the parabolas to both sides.
         let slopes = [
             (1.5 * film[i] - 2.0 * film[i - 1] + 0.5 * film[i - 2]) / lengths[0],
@@ -236,14 +236,11 @@ fn kinks_and_bends<'a>(solved: &'a Solved<'_>, film: &'a [f64]) -> impl Iterator
     })
 }
 
-/// What that leaves open where the film is nearly as thin as at its least. Where smooth surfaces touch the least thickness is none.
-fn film_error(solved: &Solved<'_>, film: &[f64]) -> f64 {
-    if solved.state.touches() {
-        return 0.0;
-    }
+/// What that leaves open of the least thickness, where the film is nearly as thin and at the ends of the column in which it is thinnest.
+fn film_error(arc: &[f64], film: &[f64]) -> f64 {
     let thinnest = (0..film.len()).min_by(|a, b| film[*a].total_cmp(&film[*b])).unwrap_or(0);
     let least = film[thinnest].max(THINNEST_FILM);
-    let thin = kinks_and_bends(solved, film).filter(|(i, _)| film[*i] < 1.3 * least || i.abs_diff(thinnest) == 1);
+    let thin = kinks_and_bends(arc, film).filter(|(i, _)| film[*i] < 1.3 * least || i.abs_diff(thinnest) == 1);
     let [kink, bend] = thin.fold([0.0; 2], |[a, b]: [f64; 2], (_, [kink, bend])| [a.max(kink), b.max(bend)]);
     0.25 * kink.min(bend) / least
 }
@@ -265,7 +262,7 @@ fn friction_errors(solved: &Solved<'_>, film: &[f64], fluid_pressure: &[f64], ou
 fn rolling_friction_error(solved: &Solved<'_>, film: &[f64], fluid_pressure: &[f64]) -> f64 {
     let gap = |i: usize| film[2 * i];
     let fall = |i: usize| (fluid_pressure[i + 1] - fluid_pressure[i]).abs();
-    let by_shape: f64 = kinks_and_bends(solved, film)
+    let by_shape: f64 = kinks_and_bends(&solved.system.arc, film)
         .map(|(i, [kink, bend])| 0.25 * kink.min(bend) * 0.25 * (fall(i / 2 - 1) + fall(i / 2)))
         .sum();
     let by_weight: f64 = solved.system.film().rough.map_or(0.0, |(roughness, _)| {
@@ -311,4 +308,19 @@ fn boundary_friction_error(solved: &Solved<'_>) -> f64 {
     });
     let friction = [first, last].map(|station| system.station_friction(station, state).abs());
     friction[0].max(friction[1]) * change.sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_whose_ends_are_thicker_than_its_middle_counts() {
+        let arc: Vec<f64> = (0..9).map(|i| 1e-4 * f64::from(i)).collect();
+        let film = [3.0, 2.9, 2.8, 2.7, 2.6, 1.0, 2.6, 2.7, 2.8].map(|microns| 1e-6 * microns);
+        // Bends of 1.5 microns at its ends, and sharper kinks.
+        assert!((film_error(&arc, &film) - 0.25 * 1.5).abs() < 1e-9, "{}", film_error(&arc, &film));
+        let even = arc.iter().map(|x| 1e-6 + x * x).collect::<Vec<_>>();
+        assert!(film_error(&arc, &even) < 1e-9);
+    }
 }
