@@ -2,14 +2,14 @@
 //!
 //! Pressures in straight lines from column to column leave out how the pressure bends within one, and the surfaces bulge into the film in the middle of
 //! every column, by about its length cubed times p''/G. Wide columns in the middle of a contact make that a third and more of a thin film. The thickness that the walls carry
-//! does not know of it: between rough surfaces it is that at the ends, where the flow comes from; between smooth ones the mean of a column. Both
-//! are of second order and more; on the automatic mesh a film of 1.3 microns that was a third too thin in the middles is within 0.2 %.
+//! does not know of it: between rough surfaces it is that at the ends, where the flow comes from; between smooth ones the mean of a column.
+//! On the automatic mesh a film of 1.3 microns that is a third too thin in the middles is at the ends within 0.2 % of that on four times the columns.
 
 use num_dual::Dual64;
 
 use super::{Change, State, System};
 
-/// What is taken off at the ends and in the middles of columns, in amplitudes of what alternates between them: down or up to the level of the ends, or
+/// What is taken off at the ends and in the middles of columns, in amplitudes of what alternates between them, to come to the level of the ends, or
 /// to that of Simpson's mean.
 const TO_ENDS: [f64; 2] = [0.0, 2.0];
 const TO_MEAN: [f64; 2] = [4.0 / 3.0, 2.0 / 3.0];
@@ -98,13 +98,19 @@ mod tests {
     }
 
     #[test]
-    fn closed_gaps_and_a_kink_stay() {
-        let closed = std::array::from_fn::<bool, 23, _>(|i| i < 9);
-        let contact = of(|i, x| if i < 9 { 0.0 } else { x - 1.5 });
+    fn a_kink_stays() {
         let kink = of(|_, x| 0.1 + (x - places()[10]).abs());
-        for (values, closed) in [(contact, closed), (kink, [false; 23])] {
-            let found = levelled(&places(), &values, &closed, TO_MEAN);
-            assert!(far(&found, &values) < 1e-12, "{}", far(&found, &values));
-        }
+        let found = levelled(&places(), &kink, &[false; 23], TO_MEAN);
+        assert!(far(&found, &kink) < 1e-12, "{}", far(&found, &kink));
+    }
+
+    #[test]
+    fn a_closed_gap_and_what_begins_beside_it_stay() {
+        let closed = std::array::from_fn::<bool, 23, _>(|i| i < 9);
+        // The step alternates too, and goes on in what alternates beyond.
+        let contact = of(|i, _| if i < 9 { 0.0 } else { 0.5 - 0.02 * if i % 2 == 0 { 1.0 } else { -1.0 } });
+        let [found, without] = [closed, [false; 23]].map(|closed| levelled(&places(), &contact, &closed, TO_MEAN));
+        assert_eq!(far(&found[..13], &contact[..13]), 0.0);
+        assert!(far(&without[..13], &contact[..13]) > 1e-3);
     }
 }
