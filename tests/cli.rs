@@ -155,6 +155,36 @@ fn the_table_shows_every_scalar_with_a_unit_that_people_use() {
     }
 }
 
+/// `--check` solves what a user would, who sets the finer mesh.
+#[test]
+fn check_says_how_far_a_finer_mesh_is() {
+    let state = "--set mesh.row_grading=2 --penetration-depth 5e-6 --sliding-speed 0.2";
+    let coarse = format!("--set mesh.columns=24 --set mesh.rows=5 --set sector_half_angle=0.1 {state}");
+    let checked = json(&format!("{coarse} --check"));
+    // 2 sqrt(1.5) times as many columns; the sine of the angle is half as large again.
+    let sector = (1.5 * 0.1_f64.sin()).asin();
+    let by_hand = format!("--set mesh.columns=58 --set mesh.rows=8 --set sector_half_angle={sector:e} {state}");
+    let (by_hand, finer) = (json(&by_hand), checked["finer_mesh"].as_object().unwrap());
+    for name in ["load", "minimum_film_thickness", "friction_coefficient"] {
+        let [coarse, finer, by_hand] = [&checked, finer, &by_hand].map(|object| object[name].as_f64().unwrap());
+        assert!((finer / by_hand - 1.0).abs() < 1e-6, "{name}: {finer} {by_hand}");
+        assert!((coarse / finer - 1.0).abs() > 1e-4, "{name}: {coarse} {finer}");
+    }
+    let [coarse_friction, friction] = [&checked, finer].map(|object| object["friction_coefficient"].as_f64().unwrap());
+    let apart = 100.0 * (coarse_friction - friction) / coarse_friction.max(friction);
+
+    let output = run(&format!("solve {coarse} --check"));
+    assert!(output.status.success());
+    let text = out(&output);
+    assert!(text.contains("On 58 x 8 elements in place of 24 x 5, and a sector 1.5 times as wide:"), "{text}");
+    let line = text.lines().rfind(|line| line.starts_with("friction_coefficient ")).unwrap();
+    let shown: f64 = line.trim_end_matches(" %").split_whitespace().next_back().unwrap().parse().unwrap();
+    assert!((shown / apart - 1.0).abs() < 0.06 && apart.abs() > 2.0, "{shown} {apart}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(errors.contains("warning: friction_coefficient is "), "{errors}");
+    assert!(errors.contains("% below that on the finer mesh, 2 % and less is good"), "{errors}");
+}
+
 #[test]
 fn wrong_usage_is_explained_with_exit_code_2() {
     for (arguments, expected) in [

@@ -20,7 +20,11 @@ Examples:
   cartilage-contact solve --case examples/paper.toml --penetration-depth=-5e-6
   cartilage-contact solve --preset human_femoral_condyle --penetration-depth 20e-6
   cartilage-contact solve --set both.permeability=1e-16 --set formulation=consistent --json
+  cartilage-contact solve --preset human_femoral_condyle --applied-load 10e3 --sliding-speed 0.1 --check
   cartilage-contact solve --set both.aggregate_modulus=\"0.7 MPa\" --set both.poisson_ratio=0.1 --set formulation=consistent";
+
+/// Less between two meshes is shown as none \[%\].
+const LEAST_SHOWN: f64 = 1e-3;
 
 /// Solve one steady state and print its loads, friction, film and regime.
 #[derive(clap::Args)]
@@ -48,6 +52,11 @@ pub struct Arguments {
     /// Print one JSON object: SI values under the names of the FMU's variables, profiles as arrays
     #[arg(long)]
     json: bool,
+
+    /// Solve again on twice the columns, 1.6 times the rows and half more of a sector, and print how far that is from the first answer; takes some five to ten times as
+    /// long
+    #[arg(long)]
+    check: bool,
 }
 
 /// Solves and prints.
@@ -58,7 +67,84 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for warning in simulation.warnings() {
         eprintln!("warning: {warning}");
     }
-    print(&if arguments.json { json(&mut simulation)? } else { table(&mut simulation)? })
+    let finer = if arguments.check { Some(finer(&simulation)?) } else { None };
+    if arguments.json {
+        let mut object = json(&mut simulation)?;
+        if let Some(mut finer) = finer {
+            object.insert("finer_mesh".into(), json(&mut finer)?.into());
+        }
+        let text = serde_json::to_string(&object).map_err(|error| Failure::Failed(error.to_string()))?;
+        return print(&format!("{text}\n"));
+    }
+    print(&table(&mut simulation)?)?;
+    match finer {
+        Some(mut finer) => print(&comparison(&mut simulation, &mut finer)?),
+        None => Ok(()),
+    }
+}
+
+/// The same state on a finer mesh.
+fn finer(simulation: &Simulation) -> Result<Simulation, Failure> {
+    let parameters = simulation.outputs().on_finer_mesh(simulation.parameters());
+    let mut finer = Simulation::new(&parameters)?;
+    finer.solve_steady(*simulation.inputs())?;
+    for warning in finer.warnings() {
+        eprintln!("warning on the finer mesh: {warning}");
+    }
+    let [here, there] = [simulation.outputs(), finer.outputs()];
+    let followed = match parameters.control {
+        Control::Depth => ("load", here.load, there.load),
+        Control::Load => ("penetration_depth", here.penetration_depth, there.penetration_depth),
+    };
+    let film = ("minimum_film_thickness", here.minimum_film_thickness, there.minimum_film_thickness);
+    let friction = ("friction_coefficient", here.friction_coefficient, there.friction_coefficient);
+    for ((name, here, there), good) in [(followed, 1.0), (film, 2.0), (friction, 2.0)] {
+        let apart = apart(here, there);
+        if apart.abs() > good {
+            let direction = if apart > 0.0 { "above" } else { "below" };
+            let apart = format::number(apart.abs(), 2);
+            eprintln!(
+                "warning: {name} is {apart} % {direction} that on the finer mesh, {good} % and less is good: more mesh.columns and mesh.rows"
+            );
+        }
+    }
+    Ok(finer)
+}
+
+/// By how much a result is above that on another mesh \[% of the larger one\].
+fn apart(here: f64, there: f64) -> f64 {
+    let largest = here.abs().max(there.abs());
+    if largest > 0.0 { 100.0 * (here - there) / largest } else { 0.0 }
+}
+
+/// Every real result on a finer mesh, and how far the first one is from it.
+fn comparison(simulation: &mut Simulation, finer: &mut Simulation) -> Result<String, Failure> {
+    let [here, there] = [&*simulation, &*finer].map(|simulation| {
+        let outputs = simulation.outputs();
+        (outputs.mesh_columns, outputs.mesh_rows, outputs.mesh_half_width)
+    });
+    let (columns, rows, half_width) = there;
+    let mut text = format!("\nOn {columns} x {rows} elements in place of {} x {}, and ", here.0, here.1);
+    let _ = match half_width / here.2 {
+        wider if wider > 1.001 => writeln!(text, "a sector {} times as wide:\n", format::number(wider, 2)),
+        _ => writeln!(text, "the same sector, which is as wide as there is one:\n"),
+    };
+    let (here, there) = (View::new(simulation)?, View::new(finer)?);
+    for variable in variables::scalar_outputs().filter(|row| !is_about_the_mesh(row)) {
+        let (first, second) = (variable.get(&here), variable.get(&there));
+        let (Value::Real(here), Value::Real(there)) = (&first, &second) else { continue };
+        let apart = apart(*here, *there);
+        let apart = if apart.abs() < LEAST_SHOWN { "0".into() } else { format::number(apart, 2) };
+        let (value, unit) = format::shown(variable, &second);
+        let _ = writeln!(text, "{:28}{value:>16} {unit:6} {apart:>7} %", variable.name);
+    }
+    text += "\nThe last column is by how much the first result is above this one, in per cent of the larger one.\n";
+    Ok(text)
+}
+
+/// Whether a result says how well the others are known.
+fn is_about_the_mesh(variable: &Variable) -> bool {
+    variable.name.starts_with("estimated_") || variable.name.starts_with("mesh_")
 }
 
 /// The case, then the flags of this command.
@@ -86,7 +172,7 @@ fn printed() -> impl Iterator<Item = &'static Variable> {
     inputs.chain(variables::scalar_outputs())
 }
 
-fn json(simulation: &mut Simulation) -> Result<String, Failure> {
+fn json(simulation: &mut Simulation) -> Result<serde_json::Map<String, serde_json::Value>, Failure> {
     let view = View::new(simulation)?;
     let mut object = serde_json::Map::new();
     for variable in printed() {
@@ -100,9 +186,7 @@ fn json(simulation: &mut Simulation) -> Result<String, Failure> {
         }
     }
     object.insert("warnings".into(), simulation.warnings().into());
-    let mut text = serde_json::to_string(&object).map_err(|error| Failure::Failed(error.to_string()))?;
-    text.push('\n');
-    Ok(text)
+    Ok(object)
 }
 
 fn json_value(value: Value) -> serde_json::Value {

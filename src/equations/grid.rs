@@ -178,7 +178,7 @@ pub fn half_width(parameters: &Parameters, contact: f64) -> f64 {
 }
 
 /// Half the angle of the widest sector \[rad\].
-const LARGEST_ANGLE: f64 = 1.05;
+pub const LARGEST_ANGLE: f64 = 1.05;
 
 /// Ends of `columns` elements between -half_width and half_width, dense at the edges of the contact.
 fn column_ends(columns: usize, half_width: f64, contact: f64) -> Vec<f64> {

@@ -5,7 +5,7 @@ use num_dual::Dual64;
 use super::{Outputs, resistance};
 use crate::equations::grid;
 use crate::equations::system::{Change, Solved};
-use crate::parameters::{Control, Formulation};
+use crate::parameters::{Body, Control, Formulation, Mesh, Parameters};
 
 /// What can be said of a solution's resolution.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -44,6 +44,28 @@ const LEAST_MARGIN: f64 = 2.5;
 const LARGE_PECLET: f64 = 100.0;
 /// Stress over pressure that no contact has.
 const LARGE_STRESS: f64 = 20.0;
+
+impl Outputs {
+    /// The case on a mesh by which these results can be judged: twice the columns, 1.6 times the rows and half more of a sector, as far
+    /// as there is one, with as many columns more as that takes. It may be solved for six times as long.
+    pub fn on_finer_mesh(&self, parameters: &Parameters) -> Parameters {
+        let radius = |body: &Body| if body.outer_radius == 0.0 { f64::INFINITY } else { body.outer_radius.abs() };
+        let radius = radius(&parameters.upper).min(radius(&parameters.lower));
+        let widest = grid::LARGEST_ANGLE.sin() * radius * (1.0 - 1e-9);
+        let half_width = (1.5 * self.mesh_half_width).min(widest);
+        let wider = half_width / self.mesh_half_width;
+        Parameters {
+            sector_half_angle: (half_width / radius).asin(),
+            mesh: Mesh {
+                columns: (2.0 * wider.sqrt() * f64::from(self.mesh_columns)) as i32,
+                rows: 8 * self.mesh_rows / 5,
+                ..parameters.mesh
+            },
+            maximum_solve_time: 6.0 * parameters.maximum_solve_time,
+            ..*parameters
+        }
+    }
+}
 
 impl Solved<'_> {
     /// Looks at pressures, stress and mesh of the solution.

@@ -155,25 +155,6 @@ fn solved(parameters: &Parameters, inputs: Inputs) -> Result<(Outputs, Vec<Strin
     Ok((simulation.outputs().clone(), simulation.warnings().to_vec()))
 }
 
-/// The same case with half more of a sector, and finer by the factors above.
-fn reference(parameters: &Parameters, coarse: &Outputs) -> Parameters {
-    const WIDEST: f64 = 1.05;
-    let radius = |body: &Body| if body.outer_radius == 0.0 { f64::INFINITY } else { body.outer_radius.abs() };
-    let radius = radius(&parameters.upper).min(radius(&parameters.lower));
-    let half_width = (1.5 * coarse.mesh_half_width).min(WIDEST.sin() * radius * (1.0 - 1e-9));
-    let wider = half_width / coarse.mesh_half_width;
-    Parameters {
-        sector_half_angle: (half_width / radius).asin(),
-        mesh: Mesh {
-            columns: (2.0 * wider.sqrt() * f64::from(coarse.mesh_columns)) as i32,
-            rows: 8 * coarse.mesh_rows / 5,
-            ..parameters.mesh
-        },
-        maximum_solve_time: 6.0 * parameters.maximum_solve_time,
-        ..*parameters
-    }
-}
-
 /// Largest magnitudes of what is off: load (or depth, whichever follows), least film, friction.
 fn off(parameters: &Parameters, coarse: &Outputs, fine: &Outputs) -> [f64; 3] {
     let relative = |a: f64, b: f64, scale: f64| ((a - b) / scale.abs().max(b.abs())).abs();
@@ -253,7 +234,7 @@ fn random_cases(seeds: impl Iterator<Item = u64>) -> Vec<[f64; 3]> {
             coarse.estimated_film_error,
             coarse.estimated_friction_error
         );
-        match solved(&reference(p, &coarse), inputs) {
+        match solved(&coarse.on_finer_mesh(p), inputs) {
             Err(error) => {
                 unverified += 1;
                 println!("    reference: {error}");
@@ -311,7 +292,7 @@ fn quick_random_cases_are_right_or_carry_a_warning() {
 fn boundary_friction_of_smooth_surfaces_is_off_as_estimated() {
     let (parameters, inputs) = drawn(SLIDING);
     let (coarse, warnings) = solved(&parameters, inputs).unwrap();
-    let (fine, none) = solved(&reference(&parameters, &coarse), inputs).unwrap();
+    let (fine, none) = solved(&coarse.on_finer_mesh(&parameters), inputs).unwrap();
     let [_, _, off] = off(&parameters, &coarse, &fine);
     let estimates = [&coarse, &fine].map(|outputs| outputs.estimated_friction_error);
     println!("off {off:.4}, estimated {estimates:.4?}");
