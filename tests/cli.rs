@@ -186,6 +186,16 @@ fn check_says_how_far_a_finer_mesh_is() {
 }
 
 #[test]
+fn a_check_that_cannot_be_made_loses_nothing() {
+    let most = "--set mesh.columns=2000 --set mesh.rows=1 --set sector_half_angle=0.1 --set mesh.row_grading=1";
+    let output = run(&format!("solve {most} --penetration-depth -5e-5 --sliding-speed 0.2 --check"));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(out(&output).lines().any(|line| line.starts_with("load ")));
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(errors.contains("not checked, on 4898 x 1 elements: "), "{errors}");
+}
+
+#[test]
 fn wrong_usage_is_explained_with_exit_code_2() {
     for (arguments, expected) in [
         (

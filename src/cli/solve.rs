@@ -67,27 +67,31 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for warning in simulation.warnings() {
         eprintln!("warning: {warning}");
     }
-    let finer = if arguments.check { Some(finer(&simulation)?) } else { None };
+    let mut finer = arguments.check.then(|| finer(&simulation)).transpose();
+    // Whatever comes of the check, the first answer is printed.
     if arguments.json {
         let mut object = json(&mut simulation)?;
-        if let Some(mut finer) = finer {
-            object.insert("finer_mesh".into(), json(&mut finer)?.into());
+        if let Ok(Some(finer)) = &mut finer {
+            object.insert("finer_mesh".into(), json(finer)?.into());
         }
         let text = serde_json::to_string(&object).map_err(|error| Failure::Failed(error.to_string()))?;
-        return print(&format!("{text}\n"));
+        print(&format!("{text}\n"))?;
+    } else {
+        print(&table(&mut simulation)?)?;
+        if let Ok(Some(finer)) = &mut finer {
+            print(&comparison(&mut simulation, finer)?)?;
+        }
     }
-    print(&table(&mut simulation)?)?;
-    match finer {
-        Some(mut finer) => print(&comparison(&mut simulation, &mut finer)?),
-        None => Ok(()),
-    }
+    finer.map(drop)
 }
 
 /// The same state on a finer mesh.
 fn finer(simulation: &Simulation) -> Result<Simulation, Failure> {
     let parameters = simulation.outputs().on_finer_mesh(simulation.parameters());
-    let mut finer = Simulation::new(&parameters)?;
-    finer.solve_steady(*simulation.inputs())?;
+    let [columns, rows] = parameters.elements();
+    let failed = |error| Failure::Failed(format!("not checked, on {columns} x {rows} elements: {error}"));
+    let mut finer = Simulation::new(&parameters).map_err(failed)?;
+    finer.solve_steady(*simulation.inputs()).map_err(failed)?;
     for warning in finer.warnings() {
         eprintln!("warning on the finer mesh: {warning}");
     }
