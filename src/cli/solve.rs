@@ -53,8 +53,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
 
-    /// Solve again on twice the columns, 1.6 times the rows and half more of a sector, and print how far that is from the first answer; takes some five to ten times as
-    /// long
+    /// Solve again on twice the columns, 1.6 times the rows and half more of a sector, and print how far the first answer is from that; takes several times as long
     #[arg(long)]
     check: bool,
 }
@@ -123,13 +122,10 @@ fn apart(here: f64, there: f64) -> f64 {
 
 /// Every real result on a finer mesh, and how far the first one is from it.
 fn comparison(simulation: &mut Simulation, finer: &mut Simulation) -> Result<String, Failure> {
-    let [here, there] = [&*simulation, &*finer].map(|simulation| {
-        let outputs = simulation.outputs();
-        (outputs.mesh_columns, outputs.mesh_rows, outputs.mesh_half_width)
-    });
-    let (columns, rows, half_width) = there;
-    let mut text = format!("\nOn {columns} x {rows} elements in place of {} x {}, and ", here.0, here.1);
-    let _ = match half_width / here.2 {
+    let [here, there] = [simulation.outputs(), finer.outputs()];
+    let [coarse, fine] = [here, there].map(|outputs| format!("{} x {}", outputs.mesh_columns, outputs.mesh_rows));
+    let mut text = format!("\nOn {fine} elements in place of {coarse}, and ");
+    let _ = match there.mesh_half_width / here.mesh_half_width {
         wider if wider > 1.001 => writeln!(text, "a sector {} times as wide:\n", format::number(wider, 2)),
         _ => writeln!(text, "the same sector, which is as wide as there is one:\n"),
     };
