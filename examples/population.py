@@ -122,7 +122,7 @@ def run_knee(number: int, fmu: str, folder: str, numerics: dict, speeds) -> tupl
         finally:
             contact.freeInstance()
     # A knee without a single answer has one row without results, so that it is neither lost nor run again.
-    rows = rows or [dict.fromkeys([*OUTPUTS, "sliding_speed"], float("nan")) | {"well_resolved": False}]
+    rows = rows or [dict.fromkeys(OUTPUTS, float("nan")) | {"well_resolved": False, "sliding_speed": float("nan")}]
     cost = {"processor_seconds": time.process_time() - begin, "memory": memory()}
     table = pyarrow.Table.from_pylist([{"knee": number, **knee, **row, **cost, "problem": problem} for row in rows])
     unfinished = Path(folder) / f"knee_{number:05}.parquet.unfinished"

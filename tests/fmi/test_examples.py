@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import COARSE
+from pyarrow import parquet
 
 
 sys.path.append(str(Path(__file__).parents[2] / "examples"))
@@ -111,7 +112,8 @@ def test_population_resumes_and_keeps_failures(fmu2, tmp_path):
     population = load("population")
     number, problem = population.run_knee(9, fmu2, str(tmp_path), {"mesh.columns": 3}, population.SPEEDS)
     assert number == 9 and "mesh.columns" in problem
-    assert (tmp_path / "knee_00009.parquet").exists()
+    solved, failed = tmp_path / "knees" / "knee_00000.parquet", tmp_path / "knee_00009.parquet"
+    assert parquet.read_schema(failed).names == parquet.read_schema(solved).names  # they become one table
 
 
 def test_stribeck(fmu2, tmp_path):
