@@ -113,8 +113,8 @@ pub(super) fn on_glass() -> Result<Row, Error> {
             format::number(0.284 / friction(&kept), 2)
         ),
         verdict: format!(
-            "agreement of friction at the end and, without the film, of the support; miss of friction at the start, of the time, and of the factor of 60. Through \
-             the film fluid leaves at first, and later the glass drags some into the wedge beside a round contact, for hours; a flat disc has no wedge. The support at the end has not converged: it was 0.235, 0.173 and 0.069 on 96, 192 and 384 columns of ten rows, friction 0.218, \
+            "agreement of friction at the end and, without the film, of the support, which at the end has not converged with it; miss of friction at the start, of the time, and of the factor of 60. Through \
+             the film fluid leaves at first, and later the glass drags some into the wedge beside a round contact, for hours; a flat disc has no wedge. The support at the end was 0.235, 0.173 and 0.069 on 96, 192 and 384 columns of ten rows, friction 0.218, \
              0.235 and 0.265. Their own law asks for {} at their support of 0.888, three times what they measured at the start; ours follows the law. A strip's slowest mode takes 2.3 times \
              as long as a disc's of the same width, and bonded tissue without stiffness in tension drains more slowly than a disc that spreads. A \
              migrating contact does keep its friction; but isotropic tissue gives no more than the support of an undrained layer (the row above), too \
